@@ -99,12 +99,13 @@ fn sinh(x: f64) -> f64 {
 const FIRST_NM: f64 = 380.0;
 const STEP_NM: f64 = 2.0;
 const N_WAVELENGTHS: usize = 201;
-/// Wave numbers of the average where the film has no resonance, from that of the longest wavelength to that of the
-/// shortest in equal steps.
+/// Wave numbers of the average where the film has no resonance: from that of the longest wavelength, `FIRST_COARSE`
+/// steps above 0, to twice that, in equal steps.
 const N_COARSE: usize = 6;
+const FIRST_COARSE: i32 = 5;
 /// Path through the film, µm, from which on its two faces no longer interfere.
 const COHERENCE_UM: f64 = 8.0;
-/// Steps of [`GapTable::coherence`] per µm.
+/// Steps of [`Bands::coherence`] per µm.
 const STEPS_PER_UM: f64 = 96.0;
 /// `COHERENCE_UM * STEPS_PER_UM`, and one more on each side for the interpolation.
 const N_STEPS: usize = 768 + 3;
@@ -131,10 +132,8 @@ const MIDDLE_UM: f64 = 0.55;
 #[derive(Debug, Clone)]
 pub struct GapTable {
     n: f64,
-    /// ⟨cos 2kx⟩ of each band at x = (i − 1)/[`STEPS_PER_UM`] µm.
-    coherence: Vec<[f64; 3]>,
-    /// Weights of the bands at the wave numbers of the average.
-    coarse: [[f64; 3]; N_COARSE],
+    colors: Bands<3>,
+    mean: Bands<1>,
 }
 
 impl GapTable {
@@ -142,9 +141,45 @@ impl GapTable {
     #[must_use]
     pub fn new(n: f64) -> Self {
         let bands = bands();
-        let mut coherence = vec![[0.0; 3]; N_STEPS];
-        let mut coarse = [[0.0; 3]; N_COARSE];
-        let [low, coarse_step] = coarse_wave_numbers();
+        let means: Vec<[f64; 1]> = bands.iter().map(|[r, g, b]| [(r + g + b) / 3.0]).collect();
+        Self {
+            n,
+            colors: Bands::of(&bands),
+            mean: Bands::of(&means),
+        }
+    }
+
+    /// Reflectance of a gap in red, green and blue, each 0 to 1.
+    ///
+    /// `cos_in_glass` is the cosine of incidence in the glass.
+    #[must_use]
+    pub fn rgb(&self, cos_in_glass: f64, gap_um: f64) -> [f64; 3] {
+        self.colors.reflectance(self.n, cos_in_glass, gap_um)
+    }
+
+    /// The mean of the three colors, before any is clipped, 0 to 1.
+    #[must_use]
+    pub fn mean(&self, cos_in_glass: f64, gap_um: f64) -> f64 {
+        let [mean] = self.mean.reflectance(self.n, cos_in_glass, gap_um);
+        mean
+    }
+}
+
+/// What is known of some bands of light.
+#[derive(Debug, Clone)]
+struct Bands<const N: usize> {
+    /// ⟨cos 2kx⟩ of each band at x = (i − 1)/[`STEPS_PER_UM`] µm.
+    coherence: Vec<[f64; N]>,
+    /// Weights of the bands at the wave numbers of the average.
+    coarse: [[f64; N]; N_COARSE],
+}
+
+impl<const N: usize> Bands<N> {
+    /// Of the weights of the bands at each wavelength.
+    fn of(bands: &[[f64; N]]) -> Self {
+        let mut coherence = vec![[0.0; N]; N_STEPS];
+        let mut coarse = [[0.0; N]; N_COARSE];
+        let coarse_step = coarse_step();
         for (i, weights) in bands.iter().enumerate() {
             // cos 2kx at the steps x, by turning a unit vector.
             let step = 2.0 * wave_number(i) / STEPS_PER_UM;
@@ -157,7 +192,7 @@ impl GapTable {
                 (x, y) = (x * cos - y * sin, x * sin + y * cos);
             }
             // Shared out among four neighbors of the coarse row.
-            let at = (wave_number(i) - low) / coarse_step;
+            let at = wave_number(i) / coarse_step - f64::from(FIRST_COARSE);
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -172,83 +207,83 @@ impl GapTable {
                 }
             }
         }
-        Self {
-            n,
-            coherence,
-            coarse,
-        }
+        Self { coherence, coarse }
     }
 
-    /// Reflectance of a gap in red, green and blue, each 0 to 1.
-    ///
-    /// `cos_in_glass` is the cosine of incidence in the glass.
-    #[must_use]
-    pub fn rgb(&self, cos_in_glass: f64, gap_um: f64) -> [f64; 3] {
+    /// Reflectance of a gap in each band, 0 to 1, in glass of index `n`.
+    fn reflectance(&self, n: f64, cos_in_glass: f64, gap_um: f64) -> [f64; N] {
         if gap_um <= 0.0 {
-            return [0.0; 3];
+            return [0.0; N];
         }
-        let cos2_air = cos2_air(cos_in_glass, self.n);
+        let cos2_air = cos2_air(cos_in_glass, n);
         let cos_air = cos2_air.abs().sqrt();
         let path_um = gap_um * cos_air;
         let phase = 2.0 * PI / MIDDLE_UM * path_um;
-        let rgb = if cos2_air <= 0.0 && phase > 8.0 {
+        let bands = if cos2_air <= 0.0 && phase > 8.0 {
             // e^(−2·8·0.7) of the longest wavelength, 1.4·10⁻⁵: nothing crosses that is seen.
-            return [1.0; 3];
+            return [1.0; N];
         } else if cos2_air <= 0.0 || phase < RESONANCE_PHASE {
-            self.smooth(&Incidence::new(cos_in_glass, self.n), gap_um)
+            self.smooth(&Incidence::new(cos_in_glass, n), gap_um)
         } else {
-            self.airy(cos_in_glass.abs(), cos_air, path_um)
+            self.airy((cos_in_glass.abs(), n), cos_air, path_um)
         };
-        rgb.map(|r| r.clamp(0.0, 1.0))
+        bands.map(|r| r.clamp(0.0, 1.0))
     }
 
-    /// The average over wave numbers in equal steps, whose sines follow from two.
-    fn smooth(&self, incidence: &Incidence, gap_um: f64) -> [f64; 3] {
-        let [low, step] = coarse_wave_numbers().map(|k| k * gap_um);
+    /// The average over wave numbers in equal steps from a whole number of them on, whose sines follow from that of one
+    /// step.
+    fn smooth(&self, incidence: &Incidence, gap_um: f64) -> [f64; N] {
+        let step = coarse_step() * gap_um;
         let c = incidence.cos2_air.abs().sqrt();
-        let mut sum = [0.0; 3];
-        let mut add = |s: f64, weights: &[f64; 3]| {
+        let mut sum = [0.0; N];
+        let mut add = |s: f64, weights: &[f64; N]| {
             let r = incidence.reflectance_of(s);
             for (sum, weight) in sum.iter_mut().zip(weights) {
                 *sum += weight * r;
             }
         };
-        if c * (low + step) < 1e-6 {
-            let mut phase = low;
+        if c * step < 1e-6 {
+            let mut phase = f64::from(FIRST_COARSE) * step;
             for weights in &self.coarse {
                 add(phase, weights);
                 phase += step;
             }
         } else if incidence.cos2_air > 0.0 {
-            let ((mut sin, mut cos), (turn_sin, turn_cos)) =
-                (libm::sincos(c * low), libm::sincos(c * step));
-            for weights in &self.coarse {
-                add(sin / c, weights);
-                (sin, cos) = (
+            let (turn_sin, turn_cos) = libm::sincos(c * step);
+            let turned = |(sin, cos): (f64, f64)| {
+                (
                     sin * turn_cos + cos * turn_sin,
                     cos * turn_cos - sin * turn_sin,
-                );
+                )
+            };
+            let mut turn = (0..FIRST_COARSE).fold((0.0, 1.0), |turn, _| turned(turn));
+            for weights in &self.coarse {
+                add(turn.0 / c, weights);
+                turn = turned(turn);
             }
         } else {
-            let (mut grows, growth) = (libm::exp(c * low), libm::exp(c * step));
-            let (mut fades, fading) = (1.0 / grows, 1.0 / growth);
+            let growth = libm::exp(c * step);
+            let fading = 1.0 / growth;
+            let mut ends = (0..FIRST_COARSE).fold([1.0, 1.0], |[grows, fades], _| {
+                [grows * growth, fades * fading]
+            });
             for weights in &self.coarse {
+                let [grows, fades] = ends;
                 add(0.5 * (grows - fades) / c, weights);
-                grows *= growth;
-                fades *= fading;
+                ends = [grows * growth, fades * fading];
             }
         }
         sum
     }
 
     /// The Airy series below the critical angle.
-    fn airy(&self, cos_glass: f64, cos_air: f64, path_um: f64) -> [f64; 3] {
+    fn airy(&self, (cos_glass, n): (f64, f64), cos_air: f64, path_um: f64) -> [f64; N] {
         let amplitude = |a: f64, b: f64| (a - b) / (a + b);
-        let s = amplitude(self.n * cos_glass, cos_air);
-        let p = amplitude(cos_glass, self.n * cos_air);
+        let s = amplitude(n * cos_glass, cos_air);
+        let p = amplitude(cos_glass, n * cos_air);
         let one_face = [s * s, p * p];
         let mut powers = [1.0_f64; 2];
-        let mut series = [[1.0; 3]; 2];
+        let mut series = [[1.0; N]; 2];
         let mut path = path_um;
         while path < COHERENCE_UM && powers[0].max(powers[1]) > 3e-4 {
             let coherence = self.coherence_at(path);
@@ -261,11 +296,11 @@ impl GapTable {
             path += path_um;
         }
         let [across, within] = one_face.map(|r| (1.0 - r) / (1.0 + r));
-        [0, 1, 2].map(|c| 1.0 - 0.5 * (across * series[0][c] + within * series[1][c]))
+        std::array::from_fn(|c| 1.0 - 0.5 * (across * series[0][c] + within * series[1][c]))
     }
 
     /// ⟨cos 2kx⟩ of each band, between four steps.
-    fn coherence_at(&self, path_um: f64) -> [f64; 3] {
+    fn coherence_at(&self, path_um: f64) -> [f64; N] {
         let at = path_um * STEPS_PER_UM;
         #[expect(
             clippy::cast_possible_truncation,
@@ -275,10 +310,10 @@ impl GapTable {
         let first = at as usize;
         let t = at - at.floor();
         let Some(four) = self.coherence.get(first..first + 4) else {
-            return [0.0; 3];
+            return [0.0; N];
         };
         let weights = cubic(t);
-        [0, 1, 2].map(|c| four.iter().zip(weights).map(|(d, w)| w * d[c]).sum())
+        std::array::from_fn(|c| four.iter().zip(weights).map(|(d, w)| w * d[c]).sum())
     }
 }
 
@@ -303,12 +338,9 @@ fn wave_number(i: usize) -> f64 {
     2.0 * PI / (1e-3 * wavelength_nm(i))
 }
 
-/// The least wave number of the average, and the step from one to the next, rad/µm.
-fn coarse_wave_numbers() -> [f64; 2] {
-    let [low, high] = [wave_number(N_WAVELENGTHS - 1), wave_number(0)];
-    #[expect(clippy::cast_precision_loss, reason = "a small count")]
-    let step = (high - low) / (N_COARSE - 1) as f64;
-    [low, step]
+/// From one wave number of the average to the next, rad/µm.
+fn coarse_step() -> f64 {
+    wave_number(N_WAVELENGTHS - 1) / f64::from(FIRST_COARSE)
 }
 
 /// Weights of the bands of linear sRGB at each wavelength; each band sums to 1.
@@ -354,7 +386,7 @@ fn color_matching(nm: f64) -> [f64; 3] {
 mod tests {
     use super::*;
 
-    /// The band averages by 1600 wavelengths, clipped as the table's.
+    /// The band averages by 1600 wavelengths.
     fn by_quadrature(cos: f64, gap_um: f64, n: f64) -> [f64; 3] {
         let steps = 1600;
         let (mut sums, mut totals) = ([0.0; 3], [0.0; 3]);
@@ -375,7 +407,7 @@ mod tests {
                 totals[c] += weight;
             }
         }
-        [0, 1, 2].map(|c| (sums[c] / totals[c]).clamp(0.0, 1.0))
+        [0, 1, 2].map(|c| sums[c] / totals[c])
     }
 
     #[test]
@@ -391,11 +423,10 @@ mod tests {
                     let cos = angle.to_radians().cos();
                     let got = table.rgb(cos, gap_um);
                     let expected = by_quadrature(cos, gap_um, n);
-                    let off = got
-                        .iter()
-                        .zip(expected)
-                        .map(|(a, b)| (a - b).abs())
-                        .fold(0.0, f64::max);
+                    let mean = expected.iter().sum::<f64>() / 3.0;
+                    let off = (got.iter().zip(expected))
+                        .map(|(got, expected)| (got - expected.clamp(0.0, 1.0)).abs())
+                        .fold((table.mean(cos, gap_um) - mean).abs(), f64::max);
                     if (angle - critical).abs() < 1.0 {
                         worst_near = worst_near.max(off);
                     } else {

@@ -1,5 +1,7 @@
 //! Facets that reach the present rows, and how much of their cells they cover.
 
+use std::ops::Range;
+
 use super::cells::Row;
 use super::layer::{Facet, Layer, add_scaled};
 use super::level::Level;
@@ -11,26 +13,37 @@ const LEAST_COVERAGE: f32 = 1e-6;
 
 /// What the facets cover of one row of halves (or of cells, where those are not halved).
 pub(super) struct Coverage {
+    level: Level,
     /// Shares of the row, the sum over its facets.
     shares: Vec<f32>,
     scratch: Vec<f32>,
-    /// For each facet that covers something of the row its place among the active ones, the first
-    /// cell, and where its areas end in `areas`.
-    runs: Vec<(usize, usize, usize)>,
+    runs: Vec<Run>,
+    /// Those of the runs one after the other, with nothing around each where cells are halved.
     areas: Vec<f32>,
     is_over: bool,
-    halves: Vec<f32>,
 }
 
+/// What a facet covers of a row.
+struct Run {
+    /// Place among the active ones.
+    facet: usize,
+    /// The first that it covers, and where among the areas it begins and ends.
+    first: usize,
+    areas: Range<usize>,
+}
+
+/// So many halves of nothing, or one more, are around those of a facet: as far as they are shared.
+const AROUND: usize = 4;
+
 impl Coverage {
-    pub(super) fn new(columns: usize) -> Self {
+    pub(super) fn new(columns: usize, level: Level) -> Self {
         Self {
+            level,
             shares: vec![0.0; columns + 3],
             scratch: vec![0.0; columns + 3],
             runs: Vec::new(),
             areas: Vec::new(),
             is_over: false,
-            halves: Vec::new(),
         }
     }
 
@@ -43,46 +56,54 @@ impl Coverage {
             if facet.last <= row {
                 continue;
             }
-            cover_row(&facet.edges, row, &mut self.scratch, |first, areas| {
-                self.areas.extend_from_slice(areas);
-                self.runs.push((k, first, self.areas.len()));
-                for (share, area) in self.shares[first..].iter_mut().zip(areas) {
-                    *share += area * facet.weight;
-                    self.is_over |= *share > 1.0;
-                }
+            if self.level.is_halved {
+                self.areas.extend([0.0; AROUND + 1]);
+            }
+            let start = self.areas.len();
+            let first = cover_row(&facet.edges, row, &mut self.scratch, &mut self.areas);
+            let Some(first) = first else {
+                continue;
+            };
+            let areas = start..self.areas.len();
+            for (share, area) in self.shares[first..].iter_mut().zip(&self.areas[start..]) {
+                *share += area * facet.weight;
+                self.is_over |= *share > 1.0;
+            }
+            self.runs.push(Run {
+                facet: k,
+                first,
+                areas,
             });
         }
+        self.areas.extend([0.0; AROUND + 1]);
     }
 
     /// Shares the areas of each facet out among its cells; where facets overlap they are scaled
     /// down before.
-    pub(super) fn share<const L: usize>(
-        &mut self,
-        row: usize,
-        level: Level,
-        active: &mut [Active<L>],
-    ) {
-        let mut start = 0;
-        for &(facet, first, end) in &self.runs {
-            let areas = &mut self.areas[start..end];
-            start = end;
+    pub(super) fn share<const L: usize>(&mut self, row: usize, active: &mut [Active<L>]) {
+        for run in &self.runs {
+            let first = run.first;
             if self.is_over {
+                let areas = &mut self.areas[run.areas.clone()];
                 for (area, share) in areas.iter_mut().zip(&self.shares[first..]) {
                     if *share > 1.0 {
                         *area /= share;
                     }
                 }
             }
-            if level.is_halved {
-                active[facet].add_halves(row, first, areas, level.weights(), &mut self.halves);
+            let facet = &mut active[run.facet];
+            if self.level.is_halved {
+                // Whole cells, from two halves before the cell before the first one's.
+                let start = run.areas.start - AROUND - first % 2;
+                let end = run.areas.end + AROUND + (run.areas.end - start) % 2;
+                let pairs = self.areas[start..end].as_chunks().0;
+                facet.add_halves(row, first / 2, pairs, self.level.weights());
             } else {
-                active[facet].add(row, first, areas, 1.0);
+                facet.add(row, first, &self.areas[run.areas.clone()]);
             }
         }
-        let mut start = 0;
-        for &(_, first, end) in &self.runs {
-            self.shares[first..first + end - start].fill(0.0);
-            start = end;
+        for run in &self.runs {
+            self.shares[run.first..][..run.areas.len()].fill(0.0);
         }
     }
 }
@@ -147,54 +168,66 @@ impl<const L: usize> Active<L> {
     }
 
     /// Adds coverage to cells of a row from `first` on, those that are its own.
-    fn add(&mut self, row: usize, first: usize, values: &[f32], part: f32) {
-        let slot = row % 3;
+    fn add(&mut self, row: usize, first: usize, values: &[f32]) {
         let skipped = self.left.saturating_sub(first);
-        let (Some(values), from) = (values.get(skipped..), (first + skipped) - self.left) else {
-            return;
-        };
-        let Some(to) = self.slots[slot * self.width..][..self.width].get_mut(from..) else {
-            return;
-        };
-        let n = values.len().min(to.len());
-        for (sum, value) in to.iter_mut().zip(values) {
-            *sum += part * value;
+        let from = first + skipped - self.left;
+        let n = (values.len().saturating_sub(skipped)).min(self.width.saturating_sub(from));
+        if n > 0 {
+            let to = &mut self.slots[row % 3 * self.width..][from..from + n];
+            for (sum, value) in to.iter_mut().zip(&values[skipped..]) {
+                *sum += value;
+            }
+            self.set(row, [from, from + n]);
         }
-        let span = &mut self.spans[slot];
-        *span = [span[0].min(from), span[1].max(from + n)];
     }
 
-    /// Shares the coverage of halves of a row among the nearest cells of three rows.
+    /// Remembers that a part of its cells of a row is set.
+    fn set(&mut self, row: usize, [from, end]: [usize; 2]) {
+        let span = &mut self.spans[row % 3];
+        *span = [span[0].min(from), span[1].max(end)];
+    }
+
+    /// Shares the coverage of halves of a row among the nearest cells of three rows: of pairs of halves, the third of
+    /// them those of the cell `first`.
     fn add_halves(
         &mut self,
         fine_row: usize,
         first: usize,
-        areas: &[f32],
+        pairs: &[[f32; 2]],
         [far, own, near]: [f32; 3],
-        halves: &mut Vec<f32>,
     ) {
-        // From two halves before the cell before the first one's.
-        halves.clear();
-        halves.resize(4 + first % 2, 0.0);
-        halves.extend_from_slice(areas);
-        halves.resize(halves.len() + 4 + halves.len() % 2, 0.0);
-        let n = (halves.len() - 4) / 2;
-        for k in 0..n {
-            if let &[a, b, c, d, e, f] = &halves[2 * k..2 * k + 6] {
-                // A cell's value is the mean over its halves, here along both axes.
-                halves[k] = 0.25 * (far * (a + f) + near * (b + e) + own * (c + d));
-            }
-        }
         let (row, is_upper) = (fine_row / 2, fine_row.is_multiple_of(2));
         let (before, after) = if is_upper { (near, far) } else { (far, near) };
-        // The first of them may lie before the first cell.
-        let skipped = usize::from(first < 2);
-        let (values, column) = (&halves[skipped..n], first / 2 + skipped - 1);
-        if let Some(row) = row.checked_sub(1) {
-            self.add(row, column, values, before);
+        // Each pair but the first and the last gives a cell, from the one before `first` on: those that are its own.
+        let skipped = (self.left + 1).saturating_sub(first);
+        let from = first + skipped - 1 - self.left;
+        let n = pairs.len().saturating_sub(2 + skipped);
+        let n = n.min(self.width.saturating_sub(from));
+        if n == 0 {
+            return;
         }
-        self.add(row, column, values, own);
-        self.add(row + 1, column, values, after);
+        let mut parts = [0.0; 3];
+        parts[row % 3] = own;
+        parts[(row + 1) % 3] = after;
+        self.set(row, [from, from + n]);
+        self.set(row + 1, [from, from + n]);
+        if let Some(row) = row.checked_sub(1) {
+            parts[row % 3] = before;
+            self.set(row, [from, from + n]);
+        }
+        let (one, others) = self.slots.split_at_mut(self.width);
+        let (two, three) = others.split_at_mut(self.width);
+        let sums = one[from..].iter_mut().zip(&mut two[from..]);
+        let sums = sums.zip(&mut three[from..]).take(n);
+        for (((one, two), three), pairs) in sums.zip(pairs[skipped..].windows(3)) {
+            if let [[a, b], [c, d], [e, f]] = pairs {
+                // A cell's value is the mean over its halves, here along both axes.
+                let value = 0.25 * (far * (a + f) + near * (b + e) + own * (c + d));
+                *one += parts[0] * value;
+                *two += parts[1] * value;
+                *three += parts[2] * value;
+            }
+        }
     }
 
     /// Hands what it covers of a row that is complete on to the row's cells.

@@ -241,7 +241,7 @@ impl<const L: usize> Layer<L> {
         let mut drawing = Drawing::new(drawn.iter().copied().zip(kernels));
         let mut active: Vec<Active<L>> = Vec::new();
         let mut spare: Vec<Vec<f32>> = Vec::new();
-        let mut coverage = Coverage::new(self.columns * per_cell);
+        let mut coverage = Coverage::new(self.columns * per_cell, self.level);
         let mut cells = Row::new(self.columns);
         let mut emitter = Emitter::new(
             self.level.exponent,
@@ -257,7 +257,7 @@ impl<const L: usize> Layer<L> {
                 active.push(Active::new(placed, facet, kernel, &self, slots));
             }
             coverage.cover(fine_row, &active);
-            coverage.share(fine_row, self.level, &mut active);
+            coverage.share(fine_row, &mut active);
             // The second half of the next row was the last to share with this one.
             let complete = if per_cell == 1 {
                 Some(fine_row)

@@ -104,17 +104,17 @@ pub(crate) struct Edge {
     slope: f64,
 }
 
-/// Calls `cover(cell, areas)` once for the cells of a row from the first to the last that a simple
-/// polygon of these edges covers, if any; areas are the exact common ones. `scratch` holds zeros,
-/// at least two more than the row has cells, and does so again afterwards.
+/// Appends to `areas` the exact common areas of a simple polygon of these edges with the cells of a row, from the first
+/// that it covers to the last; gives the first, if there is any. `scratch` holds zeros, at least two more than the row has
+/// cells, and does so again afterwards.
 ///
 /// Signed areas under the edges, summed along the row, as in font rendering.
 pub(crate) fn cover_row(
     edges: &[Edge],
     row: usize,
     scratch: &mut [f32],
-    cover: impl FnOnce(usize, &[f32]),
-) {
+    areas: &mut Vec<f32>,
+) -> Option<usize> {
     #[expect(clippy::cast_precision_loss, reason = "row numbers")]
     let top = row as f64;
     let (mut first, mut last) = (usize::MAX, 0);
@@ -128,16 +128,14 @@ pub(crate) fn cover_row(
         }
     }
     if first > last {
-        return;
+        return None;
     }
-    let cells = &mut scratch[first..=last];
     let mut sum = 0.0_f32;
-    for cell in &mut *cells {
-        sum += *cell;
-        *cell = sum.abs().min(1.0);
-    }
-    cover(first, cells);
-    cells.fill(0.0);
+    areas.extend(scratch[first..=last].iter_mut().map(|step| {
+        sum += std::mem::take(step);
+        sum.abs().min(1.0)
+    }));
+    Some(first)
 }
 
 impl Edge {
@@ -162,8 +160,9 @@ impl Edge {
         let (left, right) = if xa <= xb { (xa, xb) } else { (xb, xa) };
         let height = self.direction * (y1 - y0);
         // Neither is negative: to cut off is to round down.
-        let cell = left as usize;
-        let end = right as usize + usize::from(right > right as usize as f64);
+        let cell = left as u32 as usize;
+        let end = right as u32 as usize;
+        let end = end + usize::from(right > end as f64);
         if end <= cell + 1 {
             let mean = 0.5 * (left + right) - cell as f64;
             steps[cell] += (height * (1.0 - mean)) as f32;
@@ -206,12 +205,13 @@ mod tests {
         let mut cells = vec![0.0; width * height];
         let edges: Vec<Edge> = polygon.edges().collect();
         for y in 0..height {
-            cover_row(&edges, y, &mut scratch, |first, areas| {
+            let mut areas = Vec::new();
+            if let Some(first) = cover_row(&edges, y, &mut scratch, &mut areas) {
                 let row = &mut cells[y * width..(y + 1) * width];
                 for (cell, area) in row.iter_mut().skip(first).zip(areas) {
                     *cell += area;
                 }
-            });
+            }
             assert!(
                 scratch.iter().all(|step| step.abs() <= 0.0),
                 "the scratch row is left clean"

@@ -15,6 +15,7 @@ pub(crate) fn cover(
     // The row after the last one of a facet, and its sides.
     let mut active: Vec<(usize, Vec<Edge>)> = Vec::new();
     let mut scratch = vec![0.0; width + 3];
+    let mut areas = Vec::new();
     let mut shares = vec![0.0_f32; width];
     for y in 0..height {
         while let Some(placed) = waiting.next_if(|placed| placed.first <= y) {
@@ -23,15 +24,17 @@ pub(crate) fn cover(
         active.retain(|(last, _)| *last > y);
         let [mut first, mut end] = [width, 0];
         for (_, edges) in &active {
-            cover_row(edges, y, &mut scratch, |x, areas| {
-                for (share, area) in shares.iter_mut().skip(x).zip(areas) {
-                    *share += area;
-                }
-                if x < width {
-                    first = first.min(x);
-                    end = end.max((x + areas.len()).min(width));
-                }
-            });
+            areas.clear();
+            let Some(x) = cover_row(edges, y, &mut scratch, &mut areas) else {
+                continue;
+            };
+            for (share, area) in shares.iter_mut().skip(x).zip(&areas) {
+                *share += area;
+            }
+            if x < width {
+                first = first.min(x);
+                end = end.max((x + areas.len()).min(width));
+            }
         }
         if first < end {
             let covered = &mut shares[first..end];

@@ -8,7 +8,7 @@ use super::SheetView;
 use super::chains::{Chain, End, chains};
 use super::divided::{Divided, MOST_CELLS};
 use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, into_glass};
-use super::roughness::WIDE_ALPHA;
+use super::roughness::{Sampled, WIDE_ALPHA};
 use super::runs::{Group, Run, WIDE_GAP_UM, each_run};
 use super::strip::Strip;
 use super::walk::Among;
@@ -155,8 +155,7 @@ pub(super) struct Look {
     pub(super) mirror: Mirror,
     /// Direction of sight in the glass.
     pub(super) inside: Vector,
-    /// What it sends, the mean over its depth, and its ghost.
-    pub(super) sent: Sent,
+    /// What it is seen of once more beyond itself.
     pub(super) ghost: Sent,
 }
 
@@ -167,31 +166,41 @@ impl Look {
         (group, band): (&Group, [f64; 2]),
     ) -> Option<Self> {
         let [a, b] = &group.ends;
-        let corners = chain.corners([a, b], band);
-        let mirror = mirror_of(from.sheet, &corners, group)?;
-        let closes = chain.has_front && mirror.gap_um < WIDE_GAP_UM;
-        let mut sent = Sent::default();
-        if chain.has_relief(mirror.alpha) {
-            for [part, weight] in PLACES {
-                let part = band[0] + (band[1] - band[0]) * part;
-                let mirror = chain.mirror_at(mirror, &group.ends, part);
-                sent.add(&from.mirror_of_cell(&mirror), weight);
-            }
-        } else if closes {
-            for [part, weight] in PLACES {
-                let part = band[0] + (band[1] - band[0]) * part;
-                let gap_um = mirror.gap_um * chain.closes(part);
-                sent.add(&from.mirror(&Mirror { gap_um, ..mirror }), weight);
-            }
-        } else {
-            sent = from.mirror(&mirror);
-        }
+        let mirror = mirror_of(from.sheet, &chain.corners([a, b], band), group)?;
         Some(Self {
             mirror,
             inside: into_glass(mirror.sight, from.sheet.index),
-            sent,
             ghost: from.ghost(&mirror),
         })
+    }
+
+    /// What it sends, the mean over its depth.
+    pub(super) fn sent(
+        &self,
+        from: &LightFrom<'_>,
+        chain: &Chain,
+        (group, band): (&Group, [f64; 2]),
+    ) -> Sent {
+        let mirror = self.mirror;
+        let closes = chain.has_front && mirror.gap_um < WIDE_GAP_UM;
+        let mut sent = Sent::default();
+        if chain.has_relief(mirror.alpha) {
+            for (k, [part, weight]) in PLACES.into_iter().enumerate() {
+                let part = band[0] + (band[1] - band[0]) * part;
+                let mirror = chain.mirror_at(mirror, &group.ends, part);
+                sent.add(&from.mirror(&mirror, Sampled::Cell(k)), weight);
+            }
+        } else if closes {
+            for (k, [part, weight]) in PLACES.into_iter().enumerate() {
+                let part = band[0] + (band[1] - band[0]) * part;
+                let gap_um = mirror.gap_um * chain.closes(part);
+                let mirror = Mirror { gap_um, ..mirror };
+                sent.add(&from.mirror(&mirror, Sampled::Third(k)), weight);
+            }
+        } else {
+            sent = from.mirror(&mirror, Sampled::Whole);
+        }
+        sent
     }
 }
 
@@ -232,7 +241,7 @@ impl<'a> RunSurface<'a> {
         let inside = into_glass(mirror.sight, from.sheet.index);
         self.band.into_iter().all(|part| {
             let normal = self.chain.mirror_at(mirror, &group.ends, part).normal;
-            from.mean_reflectance(dot(inside, normal).abs(), mirror.gap_um) < most
+            from.gaps.mean(dot(inside, normal).abs(), mirror.gap_um) < most
         })
     }
 
@@ -242,10 +251,11 @@ impl<'a> RunSurface<'a> {
         let mut sight = [0.0, 0.0, 1.0];
         for group in &self.run.groups {
             let weight = group.length * (group.ends[0].depth + group.ends[1].depth);
-            let Some(look) = Look::of(from, self.chain, (group, self.band)) else {
+            let part = (group, self.band);
+            let Some(look) = Look::of(from, self.chain, part) else {
                 continue;
             };
-            sent.add(&look.sent, weight);
+            sent.add(&look.sent(from, self.chain, part), weight);
             ghost.add(&look.ghost, weight);
             sum += weight;
             sight = look.mirror.sight;

@@ -5,6 +5,7 @@ use starbreak_glass::Face;
 use super::chains::{End, distance};
 use super::cracks::{Facets, Look, PLACES, RunSurface, normal_of};
 use super::lobe::{FRAME, LightFrom, Mirror, SUN, Sent};
+use super::roughness::Sampled;
 use super::runs::Run;
 use super::strip::Strip;
 use super::walk::Among;
@@ -137,9 +138,14 @@ impl<'a> Divided<'a> {
             chain, run, band, ..
         } = self.surface;
         let [n_along, n_across] = self.split();
-        let looks: Vec<Option<Look>> = (run.groups.iter())
-            .map(|group| Look::of(from, chain, (group, band)))
-            .collect();
+        let look_of = |group| {
+            let look = Look::of(from, chain, (group, band))?;
+            // Where relief shows no cell shows what the whole does.
+            let is_whole = !(self.has_relief && chain.has_relief(look.mirror.alpha));
+            let sent = is_whole.then(|| look.sent(from, chain, (group, band)));
+            Some((look, sent.unwrap_or_default()))
+        };
+        let looks: Vec<Option<(Look, Sent)>> = run.groups.iter().map(look_of).collect();
         let mut shown = Sent::default();
         // Where columns that show one thing began, and what that is.
         let mut even: Option<(f64, Sent)> = None;
@@ -150,7 +156,7 @@ impl<'a> Divided<'a> {
             let group = run.group_at((i + 0.5) / n_along);
             let is_last = i >= n_along;
             column.clear();
-            if !is_last && let Some(look) = &looks[group] {
+            if !is_last && let Some((look, _)) = &looks[group] {
                 corners.ends = [i, i + 1.0].map(|i| self.end_at(i / n_along));
                 let middle = self.end_at(0.5 * (i / n_along + (i + 1.0) / n_along));
                 let mut j = 0.0;
@@ -162,8 +168,9 @@ impl<'a> Divided<'a> {
                 }
             }
             corners.go_on();
-            let look = looks.get(group).and_then(Option::as_ref);
-            let all = look.and_then(|look| one_of_all(&column, &look.sent));
+            let whole = looks.get(group).and_then(Option::as_ref);
+            let whole = whole.map(|(_, sent)| sent);
+            let all = whole.and_then(|whole| one_of_all(&column, whole));
             if let Some((first, sent)) = &even
                 && !all.is_some_and(|all| is_alike(sent, all))
             {
@@ -173,10 +180,10 @@ impl<'a> Divided<'a> {
             }
             if let Some(all) = all {
                 even = even.or(Some((i, *all)));
-            } else if let Some(look) = look {
+            } else if let Some(whole) = whole {
                 let mut j = 0.0;
                 for cell in &column {
-                    let sent = cell.own.as_ref().unwrap_or(&look.sent).scaled(cell.visible);
+                    let sent = cell.own.as_ref().unwrap_or(whole).scaled(cell.visible);
                     let along = [i / n_along, (i + 1.0) / n_along];
                     if cell.visible > LEAST_VISIBLE {
                         let part = [along, [j / n_across, (j + 1.0) / n_across]];
@@ -188,7 +195,7 @@ impl<'a> Divided<'a> {
             }
             i += 1.0;
         }
-        let look = looks.iter().flatten().next()?;
+        let (look, _) = looks.iter().flatten().next()?;
         self.surface
             .add_around(from, (&shown, &look.ghost), look.mirror.sight, facets);
         Some(())
@@ -219,7 +226,7 @@ impl<'a> Divided<'a> {
         let at = chain.place(middle, half_way);
         let visible =
             (self.among.walls).passes(&self.among.near, at, look.inside, |cos, gap_um| {
-                from.mean_reflectance(cos, gap_um)
+                from.gaps.mean(cos, gap_um)
             });
         let mut cell = Cell { visible, own: None };
         if visible <= LEAST_VISIBLE {
@@ -244,7 +251,7 @@ impl<'a> Divided<'a> {
             mirror.normal = normal_of(&corners).unwrap_or(mirror.normal);
         }
         cell.own = (from.mirror_among(&mirror, (at, &self.among)))
-            .or_else(|| has_relief.then(|| from.mirror_of_cell(&mirror)));
+            .or_else(|| has_relief.then(|| from.mirror(&mirror, Sampled::Cell(0))));
         cell
     }
 
@@ -253,12 +260,12 @@ impl<'a> Divided<'a> {
         let (chain, [low, high]) = (self.surface.chain, self.surface.band);
         let ends = [self.surface.run.first(), self.surface.run.last()];
         let mut shown = Sent::default();
-        for [part, weight] in PLACES {
+        for (k, [part, weight]) in PLACES.into_iter().enumerate() {
             let part = low + (high - low) * part;
             let mirror = chain.mirror_at(look.mirror, &ends, part);
             let at = chain.place(middle, part);
             let own = (from.mirror_among(&mirror, (at, &self.among)))
-                .unwrap_or_else(|| from.mirror_of_cell(&mirror));
+                .unwrap_or_else(|| from.mirror(&mirror, Sampled::Cell(k)));
             shown.add(&own, weight);
         }
         shown

@@ -6,6 +6,7 @@ use starbreak_seed::Stream;
 
 use super::hit::{Patch, RAGGED};
 use super::lobe::{HELD, Mirror, N_SHARES, SUN, Sent};
+use super::roughness::Sampled;
 use crate::vector::{Vector, unit};
 
 /// Size of a grain over the radius of the crushed zone, and its bounds, mm. FIT to photographs:
@@ -199,7 +200,7 @@ impl Patch<'_, '_> {
             self.from.diffuse(&mut sent, share);
         } else if kind < white + mirrors {
             let mirror = self.face(sight);
-            sent = self.from.mirror(&mirror);
+            sent = self.from.mirror(&mirror, Sampled::Cell(0));
             sent.tint = [0.0; 3];
         } else if kind < white + mirrors + turns {
             let normal = self.face(sight).normal;
@@ -209,7 +210,7 @@ impl Patch<'_, '_> {
         }
         // All of them have a face that may send the sun's light.
         let spark = self.face(sight);
-        sent.lanes[SUN] += SPARK_SHARE * self.from.sun_in(&spark);
+        sent.lanes[SUN] += SPARK_SHARE * self.from.sun_in(&spark, Sampled::Cell(0));
         sent
     }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 
 use super::SheetView;
-use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, Way, n_samples};
+use super::roughness::{MIRROR_ALPHA, NARROW_ALPHA, Sampled, Way};
 use crate::environment::{HemisphereWeights, Horizon, smooth_step};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
@@ -109,27 +109,20 @@ impl LightFrom<'_> {
     /// surface, half to either side. Light that the faces hold in the sheet comes from its rim.
     ///
     /// Other surfaces are not among it, see [`LightFrom::mirror_among`].
-    pub(super) fn mirror(&self, mirror: &Mirror) -> Sent {
+    pub(super) fn mirror(&self, mirror: &Mirror, sampled: Sampled) -> Sent {
         let sight = into_glass(mirror.sight, self.sheet.index);
-        self.reflected(mirror, sight, (mirror.alpha, n_samples(mirror.alpha)))
-    }
-
-    /// The same of one cell among others of a surface: of fewer directions where it is rough.
-    pub(super) fn mirror_of_cell(&self, mirror: &Mirror) -> Sent {
-        let sight = into_glass(mirror.sight, self.sheet.index);
-        self.reflected(mirror, sight, (mirror.alpha, N_SAMPLES_OF_CELL))
+        self.reflected(mirror, sight, (mirror.alpha, sampled))
     }
 
     /// The sun's light alone of what [`LightFrom::mirror`] finds.
-    pub(super) fn sun_in(&self, mirror: &Mirror) -> f64 {
+    pub(super) fn sun_in(&self, mirror: &Mirror, sampled: Sampled) -> f64 {
         let sight = into_glass(mirror.sight, self.sheet.index);
         let Some((_, normal)) = towards(sight, mirror.normal) else {
             return 0.0;
         };
         let mut sun = 0.0;
         if mirror.alpha >= NARROW_ALPHA && self.sun[2] > 0.0 {
-            let n_samples = n_samples(mirror.alpha);
-            self.each_way(mirror, (sight, normal), n_samples, |way, share| {
+            self.each_way(mirror, (sight, normal), sampled, |way, share| {
                 if matches!(way, Way::Evenly) {
                     sun += self.diffuse_sun(share);
                 }
@@ -147,7 +140,7 @@ impl LightFrom<'_> {
         let n = self.sheet.index;
         let [x, y, z] = into_glass(mirror.sight, n);
         // It is faint: but for the sun, a rough surface's is that of a smooth one.
-        let mut sent = self.reflected(mirror, [x, y, -z], (0.0, 0));
+        let mut sent = self.reflected(mirror, [x, y, -z], (0.0, Sampled::Whole));
         let before = self.before(mirror.sight);
         let face = before.reflects;
         sent.lanes = sent.lanes.map(|lane| face * lane);
@@ -158,12 +151,12 @@ impl LightFrom<'_> {
     }
 
     /// What a ray of sight that runs along `sight` in the glass sees in a surface: the sun by its
-    /// own roughness, all else by that of `alpha`, in so many directions.
+    /// own roughness, all else by that of `alpha`.
     fn reflected(
         &self,
         mirror: &Mirror,
         sight: [f64; 3],
-        (alpha, n_samples): (f64, usize),
+        (alpha, sampled): (f64, Sampled),
     ) -> Sent {
         let view = sight.map(|part| -part);
         let mut sent = Sent::default();
@@ -179,7 +172,7 @@ impl LightFrom<'_> {
         } else if alpha < NARROW_ALPHA {
             self.narrow(&mut sent, (mirror, &before), (sight, normal), mean);
         } else {
-            self.each_way(mirror, (sight, normal), n_samples, |way, share| match way {
+            self.each_way(mirror, (sight, normal), sampled, |way, share| match way {
                 Way::Along(direction) => self.follow(&mut sent, &before, direction, share),
                 Way::Evenly => self.diffuse(&mut sent, share),
             });
@@ -187,11 +180,6 @@ impl LightFrom<'_> {
         sent.lanes[SUN] += self.glint(mirror, &before, view, normal);
         sent.tint = rgb.map(|color| color - mean);
         sent
-    }
-
-    /// Reflectance of a gap, the mean of the three colors.
-    pub(super) fn mean_reflectance(&self, cos_in_glass: f64, gap_um: f64) -> f64 {
-        self.gaps.rgb(cos_in_glass, gap_um).iter().sum::<f64>() / 3.0
     }
 
     /// The sun in a surface: radiance over irradiance. T₂ is that over the transmittance that the
@@ -213,7 +201,7 @@ impl LightFrom<'_> {
             cos_light: [self.sun[2], sun[2]],
             passes: enters * leaves,
         };
-        glint.radiance(view, sun, |cos| self.mean_reflectance(cos, mirror.gap_um))
+        glint.radiance(view, sun, |cos| self.gaps.mean(cos, mirror.gap_um))
     }
 
     /// What the face towards the camera does to light along a direction of sight.

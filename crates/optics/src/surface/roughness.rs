@@ -25,18 +25,38 @@ const NARROW_SLOPES: [[f64; 2]; 4] = [
 /// Directions that rough and very rough surfaces are sampled by, and those of one cell among others
 /// of the same surface.
 const N_SAMPLES: [usize; 2] = [40, 96];
-pub(super) const N_SAMPLES_OF_CELL: usize = 16;
+const N_SAMPLES_OF_CELL: usize = 16;
 
-/// The points of the unit disc by which they are sampled: of the near face, and of the far one.
+/// The points of the unit disc by which they are sampled: of the near face, and of the far one. Any that follow each
+/// other are spread evenly.
 static SAMPLES: LazyLock<Vec<[[f64; 2]; 2]>> =
     LazyLock::new(|| (0..96).map(|k| points(k).map(on_disc)).collect());
 
 /// From this α on they are very rough.
 pub(super) const WIDE_ALPHA: f64 = 0.15;
 
-/// How many directions a surface as a whole is sampled by.
-pub(super) fn n_samples(alpha: f64) -> usize {
-    N_SAMPLES[usize::from(alpha >= WIDE_ALPHA)]
+/// By which of its directions a rough surface is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Sampled {
+    /// By all.
+    Whole,
+    /// By those of the k-th of three places that are looked at together.
+    Third(usize),
+    /// By those of one cell among others, or of the k-th of three places of such a cell.
+    Cell(usize),
+}
+
+impl Sampled {
+    fn of(self, alpha: f64) -> &'static [[[f64; 2]; 2]] {
+        let n = N_SAMPLES[usize::from(alpha >= WIDE_ALPHA)];
+        let n_third = n.div_ceil(3);
+        let (first, n) = match self {
+            Self::Whole => (0, n),
+            Self::Third(k) => (k * n_third, n_third),
+            Self::Cell(k) => (k * N_SAMPLES_OF_CELL, N_SAMPLES_OF_CELL),
+        };
+        &SAMPLES[first..first + n]
+    }
 }
 
 /// Where light goes on to from a facet: along a direction in the sheet, or evenly to both sides.
@@ -71,19 +91,19 @@ impl LightFrom<'_> {
         &self,
         mirror: &Mirror,
         (sight, normal): (Vector, Vector),
-        n_samples: usize,
+        sampled: Sampled,
         mut each: impl FnMut(Way, f64),
     ) {
-        let samples = &SAMPLES[..n_samples];
+        let samples = sampled.of(mirror.alpha);
         #[expect(clippy::cast_precision_loss, reason = "few")]
-        let share = 1.0 / n_samples as f64;
+        let share = 1.0 / samples.len() as f64;
         let frame = Frame::about(normal);
         let view = sight.map(|part| -part);
         let visible = VisibleNormals::of(frame.local(view), mirror.alpha);
         for &[near, far] in samples {
             let facet = frame.world(visible.at(near));
             let cos_h = dot(view, facet);
-            let r = self.mean_reflectance(cos_h.abs(), mirror.gap_um);
+            let r = self.gaps.mean(cos_h.abs(), mirror.gap_um);
             let direction = reflected(sight, facet, cos_h);
             let cos_o = dot(direction, normal);
             let seen = if cos_o > 0.0 {

@@ -111,7 +111,7 @@ impl LightFrom<'_> {
             let met = among.walls.first(ray.at, ray.direction, most_mm, ray.own);
             let (turned, reflects) = if let Some(met) = met {
                 let cos = dot(ray.direction, met.wall.normal);
-                let reflects = self.mean_reflectance(cos.abs(), met.wall.gap_um);
+                let reflects = self.gaps.mean(cos.abs(), met.wall.gap_um);
                 ray.go(met.way_mm);
                 ray.own = Some((met.wall.crack, met.wall.along));
                 let share = (1.0 - reflects) * ray.share;

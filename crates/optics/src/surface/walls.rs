@@ -379,6 +379,6 @@ fn index(value: f64) -> usize {
         clippy::cast_sign_loss,
         reason = "`as` clamps, which is meant"
     )]
-    let index = value as usize;
+    let index = value as u32 as usize;
     index
 }
