@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use starbreak_optics::lens::Lens;
-use starbreak_optics::lens_faults::{Ghosts, Lamp, LensFace, LensFaults, Optic, Star};
+use starbreak_optics::lens_faults::{Ghosts, Glare, Lamp, LensFace, LensFaults, Optic, Star};
 use starbreak_seed::Seed;
 
 /// A double Gauss lens of US patent 2,673,491, as by `validation/ghosts.py`.
@@ -192,6 +192,70 @@ fn ghosts_of_the_sun_beside_the_frame_lie_on_the_line_through_the_middle() {
     assert!(along[0].abs() < 0.03 * along[1], "{along:?}");
     let behind = Lamp::of_sun([0.0, 0.0, -1.0], [1.0; 3], &optic());
     assert!(behind.is_none(), "behind the camera");
+}
+
+/// A dark frame of 400 × 300 px behind glare, with a sun, and with light in one pixel.
+fn glare(sun: Option<Lamp>, pixel: Option<(usize, f32)>) -> Vec<f32> {
+    let optic = Optic {
+        f_px: 100.0,
+        size: (400, 300),
+        ..optic()
+    };
+    let mut lens = LensFaults::default();
+    lens.push(0.0, Glare { veil: 0.02 });
+    let mut frame = vec![0.0; 400 * 300];
+    if let Some((at, light)) = pixel {
+        frame[at] = light;
+    }
+    lens.over(&mut frame, 1, (&optic, sun), Seed(1));
+    frame
+}
+
+fn sun_at(at_px: [f64; 2]) -> Option<Lamp> {
+    Some(Lamp {
+        at_px,
+        light: [1e4; 3],
+        radius_px: 0.5,
+    })
+}
+
+#[test]
+fn the_sun_is_scattered_as_a_lamp_of_its_light_is() {
+    let by_sun = glare(sun_at([230.5, 140.5]), None);
+    let by_lamp = glare(None, Some((140 * 400 + 230, 1e4)));
+    let in_ring = |frame: &[f32], [from, to]: [f64; 2]| -> f64 {
+        let pixels = frame.iter().enumerate().filter(|(k, _)| {
+            let (x, y) = ((k % 400) as f64, (k / 400) as f64);
+            (from..to).contains(&(x - 230.0).hypot(y - 140.0))
+        });
+        pixels.map(|(_, light)| f64::from(*light)).sum()
+    };
+    // The lamp itself stays where it is.
+    for ring in [
+        [3.0, 6.0],
+        [6.0, 12.0],
+        [12.0, 24.0],
+        [24.0, 48.0],
+        [48.0, 96.0],
+    ] {
+        let [sun, lamp] = [&by_sun, &by_lamp].map(|frame| in_ring(frame, ring));
+        assert!(
+            (sun / lamp - 1.0).abs() < 0.02,
+            "{ring:?} px: {sun} and {lamp}"
+        );
+    }
+}
+
+#[test]
+fn a_sun_beside_the_frame_veils_the_side_towards_it_until_a_hood_shades_the_lens() {
+    // Half a diagonal is 250 px.
+    let beside = glare(sun_at([440.0, 150.0]), None);
+    let [near, far] = [380, 20].map(|x| beside[150 * 400 + x]);
+    assert!(near > 1e-3 && far < 1e-3 * near, "{near} and {far}");
+    let shaded = glare(sun_at([200.0 + 375.0, 150.0]), None);
+    assert!(shaded.iter().all(|light| *light <= 0.0), "in the shade");
+    let none = glare(None, None);
+    assert!(none.iter().all(|light| *light <= 0.0), "without a sun");
 }
 
 /// Light in rings about the middle.

@@ -238,7 +238,7 @@ impl LensFaults {
 
     /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
     /// side, in place. What differs from frame to frame is drawn from the seed.
-    /// The sun, which may stand beside the frame, is one more lamp.
+    /// The sun, which may stand beside the frame, is one more lamp for ghosts and glare.
     pub fn over(
         &self,
         light: &mut Vec<f32>,
@@ -265,7 +265,7 @@ impl LensFaults {
                 LensFault::Shake(it) => it.over(light, n_colors, optic, frame),
                 LensFault::Ghosts(it) => it.over(light, n_colors, optic, &lamps),
                 LensFault::Star(it) => it.over(light, n_colors, optic),
-                LensFault::Glare(it) => it.over(light, n_colors, optic),
+                LensFault::Glare(it) => it.over(light, n_colors, (optic, sun.as_ref())),
                 LensFault::Shading(it) => it.over(light, n_colors, optic),
             }
         }

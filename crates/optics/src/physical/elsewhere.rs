@@ -32,12 +32,13 @@ impl OverlayLayer {
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
-        light: impl Fn(usize, usize) -> f32x4,
+        colors: impl Fn(usize, usize) -> [f32; COLORS],
         gathered: &mut Vec<[[f32; CHUNK]; COLORS]>,
     ) {
+        let light = |x: usize, y: usize| side_by_side(&colors(x, y));
         let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
         let coarse = if self.elsewhere.iter().any(is_wide) {
-            Coarse::of(size, &light, self.has_drops)
+            Coarse::of(size, &colors, self.has_drops)
         } else {
             Coarse { levels: Vec::new() }
         };
@@ -93,7 +94,7 @@ pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4
 ///
 /// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel, counted
 /// row by row, its colors side by side.
-#[inline]
+#[inline(always)]
 pub(super) fn between(
     size: (usize, usize),
     place: [f32; 2],
@@ -103,7 +104,7 @@ pub(super) fn between(
 }
 
 /// The same of pixels by column and row.
-#[inline]
+#[inline(always)]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -148,25 +149,29 @@ struct Level {
 
 impl Coarse {
     /// Of all pixels, or of four of each cell.
-    fn of(
+    fn of<const COLORS: usize>(
         (width, height): (usize, usize),
-        light: impl Fn(usize, usize) -> f32x4,
+        colors: impl Fn(usize, usize) -> [f32; COLORS],
         has_all: bool,
     ) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
         let some = [(3, 5), (11, 3), (5, 13), (13, 11)];
-        let mut cells = Vec::with_capacity(size.0 * size.1);
-        for y in (0..size.1).map(|y| y * CELL_PX) {
-            for x in (0..size.0).map(|x| x * CELL_PX) {
-                cells.push(if has_all {
-                    mean_light([x, y], [width, height], &light)
+        let mut cells = vec![f32x4::ZERO; size.0 * size.1];
+        for (row, y) in cells.chunks_exact_mut(size.0).zip((0..).step_by(CELL_PX)) {
+            for (cell, x) in row.iter_mut().zip((0..).step_by(CELL_PX)) {
+                *cell = if has_all {
+                    mean_light([x, y], [width, height], |x, y| side_by_side(&colors(x, y)))
                 } else {
-                    let mut sum = f32x4::ZERO;
+                    // Color by color, which is faster.
+                    let mut sum = [0.0; COLORS];
                     for (dx, dy) in some {
-                        sum += light((x + dx).min(width - 1), (y + dy).min(height - 1));
+                        let pixel = colors((x + dx).min(width - 1), (y + dy).min(height - 1));
+                        for (sum, color) in sum.iter_mut().zip(pixel) {
+                            *sum += color;
+                        }
                     }
-                    sum * 0.25
-                });
+                    side_by_side(&sum) * 0.25
+                };
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
@@ -186,6 +191,7 @@ impl Coarse {
     }
 
     /// Mean light about a place, px, over about `width` px to each side.
+    #[inline(always)]
     fn mean(&self, [u, v]: [f32; 2], width: f32) -> f32x4 {
         // Of the first level whose cells are at least twice as wide, and of the one before it, whose cells are half as wide.
         #[expect(clippy::cast_precision_loss, reason = "16 px")]

@@ -3,7 +3,6 @@
 use image::DynamicImage;
 use starbreak_seed::Seed;
 
-use super::elsewhere::side_by_side;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer};
 use super::samples::Sample as _;
@@ -69,7 +68,7 @@ impl OverlayLayer {
         // All of it before anything is changed: a place may lie anywhere in the frame.
         let light = |x: usize, y: usize| {
             let rgb = frame.rgb_at(x, y);
-            side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| rgb[c].light()))
+            std::array::from_fn(|c| rgb[c].light())
         };
         self.gather(size, light, elsewhere);
         pulp::Arch::new().dispatch(OverFrame {

@@ -6,7 +6,6 @@ use starbreak_glass::CrackNetwork;
 use starbreak_seed::Seed;
 
 use super::defocus::defocus;
-use super::elsewhere::side_by_side;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer, Run};
 use super::samples::{Layout, Sample, per_color};
@@ -260,7 +259,7 @@ impl OverlayLayer {
         let mut elsewhere = Vec::new();
         let light = |x: usize, y: usize| {
             let pixel = &samples[(y * width + x) * stride..][..COLORS];
-            side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| pixel[c].light()))
+            std::array::from_fn(|c| pixel[c].light())
         };
         self.gather::<COLORS>((width, height), light, &mut elsewhere);
         pulp::Arch::new().dispatch(OverRuns::<S, COLORS, EXTRA> {
@@ -277,7 +276,7 @@ impl OverlayLayer {
         let height = light.len() / (width * COLORS);
         let pixels = light.as_chunks::<COLORS>().0;
         let mut elsewhere = Vec::new();
-        let light_at = |x: usize, y: usize| side_by_side(&pixels[y * width + x]);
+        let light_at = |x: usize, y: usize| pixels[y * width + x];
         self.gather::<COLORS>((width, height), light_at, &mut elsewhere);
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);

@@ -172,7 +172,7 @@ pub(super) struct StarTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct GlareTable {
     /// Veiling glare, percent of white in a black patch before a white scene (ISO 9358), 0 (none) to 50. The
-    /// patch is a tenth as wide as the shorter side of the frame.
+    /// patch is a tenth as wide as the shorter side of the frame. The sun of [optics] is scattered, too.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub(super) veil_percent: f64,
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
