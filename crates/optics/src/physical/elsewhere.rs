@@ -3,6 +3,7 @@
 use wide::f32x4;
 
 use super::overlay::OverlayLayer;
+use crate::bit_rows::set_bits;
 use crate::maps::CHUNK;
 
 /// Light from elsewhere in the frame for the pixels of a run.
@@ -15,6 +16,9 @@ pub(super) struct Elsewhere {
     pub(super) v: [f32; CHUNK],
     /// Over how much of the frame, px, it is averaged.
     pub(super) width: [f32; CHUNK],
+    /// Bit k is set where pixel k has some that is not averaged, and where it has some that is.
+    pub(super) is_fine: u32,
+    pub(super) is_wide: u32,
 }
 
 /// A mirror's picture moves by at most this much, px, from one pixel to the next.
@@ -36,8 +40,7 @@ impl OverlayLayer {
         gathered: &mut Vec<[[f32; CHUNK]; COLORS]>,
     ) {
         let light = |x: usize, y: usize| side_by_side(&colors(x, y));
-        let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
-        let coarse = if self.elsewhere.iter().any(is_wide) {
+        let coarse = if self.elsewhere.iter().any(|other| other.is_wide > 0) {
             Coarse::of(size, &colors, self.has_drops)
         } else {
             Coarse { levels: Vec::new() }
@@ -45,28 +48,31 @@ impl OverlayLayer {
         gathered.clear();
         gathered.resize(self.elsewhere.len(), [[0.0; CHUNK]; COLORS]);
         for (other, pixels) in self.elsewhere.iter().zip(gathered) {
-            for k in 0..CHUNK {
-                let share = other.share[k];
-                if share <= 0.0 {
-                    continue;
+            let mut add = |k: usize, light: f32x4| {
+                for (pixels, color) in pixels.iter_mut().zip(light.to_array()) {
+                    pixels[k] += color;
                 }
-                let place = [other.u[k], other.v[k]];
-                let width = other.width[k];
-                let wide =
-                    ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0])).clamp(0.0, 1.0);
-                let mut sum = f32x4::ZERO;
-                if wide < 1.0 {
-                    sum += between_pixels(size, place, &light) * (share * (1.0 - wide));
-                }
-                if wide > 0.0 {
-                    sum += coarse.mean(place, width) * (share * wide);
-                }
-                for (pixels, color) in pixels.iter_mut().zip(sum.to_array()) {
-                    pixels[k] = color;
-                }
+            };
+            // One after the other, so that no branch has to be foretold.
+            for k in set_bits(other.is_fine.into()) {
+                let share = other.share[k] * (1.0 - part_averaged(other.width[k]));
+                let light = between_pixels(size, [other.u[k], other.v[k]], light);
+                add(k, light * share);
+            }
+            for k in set_bits(other.is_wide.into()) {
+                let share = other.share[k] * part_averaged(other.width[k]);
+                let light = coarse.mean([other.u[k], other.v[k]], other.width[k]);
+                add(k, light * share);
             }
         }
     }
+}
+
+/// How much of the light is averaged over a width, px.
+#[inline(always)]
+pub(super) fn part_averaged(width: f32) -> f32 {
+    let [least, most] = FINE_WIDTHS;
+    ((width - least) / (most - least)).clamp(0.0, 1.0)
 }
 
 /// The exponent, as an `f32` has it, of the least power of two that is no less than a number above 0.
@@ -148,14 +154,14 @@ struct Level {
 }
 
 impl Coarse {
-    /// Of all pixels, or of four of each cell.
+    /// Of all pixels, or of four of each cell, in two rows: a row is as much to fetch as many pixels of it.
     fn of<const COLORS: usize>(
         (width, height): (usize, usize),
         colors: impl Fn(usize, usize) -> [f32; COLORS],
         has_all: bool,
     ) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
-        let some = [(3, 5), (11, 3), (5, 13), (13, 11)];
+        let some = [(3, 4), (11, 4), (5, 12), (13, 12)];
         let mut cells = vec![f32x4::ZERO; size.0 * size.1];
         for (row, y) in cells.chunks_exact_mut(size.0).zip((0..).step_by(CELL_PX)) {
             for (cell, x) in row.iter_mut().zip((0..).step_by(CELL_PX)) {

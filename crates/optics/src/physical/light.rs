@@ -3,7 +3,7 @@
 use wide::f32x8;
 
 use super::Glass;
-use super::elsewhere::Elsewhere;
+use super::elsewhere::{Elsewhere, part_averaged};
 use super::layer::{PatternLayer, Tint};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
 use crate::bit_rows::set_bits;
@@ -282,18 +282,22 @@ impl Elsewhere {
     /// Light from elsewhere in the frame of the pixels that are touched, if there is any.
     #[inline(always)]
     fn of(lanes: &LaneRun<LANES>, touched: u32) -> Option<Self> {
-        let mut is_any = false;
         let mut share = lanes[FRAME];
+        let (mut is_fine, mut is_wide) = (0, 0);
         for (k, share) in share.iter_mut().enumerate() {
             let is_shown = is_set(touched, k) & (*share > LEAST_ELSEWHERE);
-            is_any |= is_shown;
+            let averaged = part_averaged(lanes[WIDTH][k]);
+            is_fine |= u32::from(is_shown & (averaged < 1.0)) << k;
+            is_wide |= u32::from(is_shown & (averaged > 0.0)) << k;
             *share = if is_shown { *share } else { 0.0 };
         }
-        is_any.then(|| Self {
+        (is_fine | is_wide > 0).then(|| Self {
             share,
             u: lanes[FRAME_U],
             v: lanes[FRAME_V],
             width: lanes[WIDTH],
+            is_fine,
+            is_wide,
         })
     }
 }
