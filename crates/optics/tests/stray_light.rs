@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use starbreak_optics::lens::Lens;
-use starbreak_optics::lens_faults::{Ghosts, Glare, Lamp, LensFace, LensFaults, Optic, Star};
+use starbreak_optics::lens_faults::{
+    Distortion, Ghosts, Glare, Lamp, LensFace, LensFaults, Optic, Star,
+};
 use starbreak_seed::Seed;
 
 /// A double Gauss lens of US patent 2,673,491, as by `validation/ghosts.py`.
@@ -256,6 +258,36 @@ fn a_sun_beside_the_frame_veils_the_side_towards_it_until_a_hood_shades_the_lens
     assert!(shaded.iter().all(|light| *light <= 0.0), "in the shade");
     let none = glare(None, None);
     assert!(none.iter().all(|light| *light <= 0.0), "without a sun");
+}
+
+#[test]
+fn a_lens_that_bends_lines_moves_the_sun_as_what_an_image_shows() {
+    let mut lens = LensFaults::default();
+    lens.push(
+        0.0,
+        Distortion {
+            corner: 0.12,
+            ..Distortion::NONE
+        },
+    );
+    let optic = Optic {
+        f_px: 300.0,
+        size: (400, 300),
+        ..optic()
+    };
+    let moved = lens
+        .moved_places(&optic)
+        .and_then(|moved| moved.seen_at([330.0, 60.0]));
+    lens.push(0.0, Glare { veil: 0.02 });
+    let mut frame = vec![0.0; 400 * 300];
+    lens.over(&mut frame, 1, (&optic, sun_at([330.0, 60.0])), Seed(1));
+    let brightest = (0..frame.len()).max_by(|a, b| frame[*a].total_cmp(&frame[*b]));
+    let (Some([u, v]), Some(at)) = (moved, brightest) else {
+        panic!("a sun in the frame is seen");
+    };
+    let (x, y) = ((at % 400) as f64 + 0.5, (at / 400) as f64 + 0.5);
+    assert!(u > 335.0, "it moves outwards, to {u}");
+    assert!((x - u).hypot(y - v) < 1.0, "at {x}, {y}, not {u}, {v}");
 }
 
 /// Light in rings about the middle.

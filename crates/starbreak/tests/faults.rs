@@ -490,3 +490,36 @@ fn a_table_of_several_faults_has_those_that_it_names() {
         serde_json::json!({ "lateral_px": 0.0, "axial_um": 20.0 })
     );
 }
+
+/// Beside a lamp whose light is scattered away the sun brings as much at one place or another; no sample is then as if
+/// nothing had been done to it.
+#[test]
+fn more_of_a_low_sun_makes_nothing_darker() {
+    let image: DynamicImage = RgbImage::from_fn(200, 120, |x, y| {
+        let is_lamp = (80..84).contains(&x) && (60..64).contains(&y);
+        Rgb(if is_lamp {
+            [235, 245, 255]
+        } else {
+            [30, 35, 40]
+        })
+    })
+    .into();
+    let under = |irradiance: u32| {
+        let recipe = whole(&format!(
+            "[glare]\nveil_percent = 4.0\n[lens]\nheadroom = 30.0\n[optics]\nsun_azimuth_deg = 2.0\n\
+             sun_elevation_deg = 2.0\nsun_irradiance = {}\n",
+            f64::from(irradiance) * 0.05
+        ));
+        over(&recipe, &image, 1).into_rgb8()
+    };
+    let mut before = under(0);
+    for irradiance in 1..40 {
+        let now = under(irradiance);
+        for ((x, y, was), is) in before.enumerate_pixels().zip(now.pixels()) {
+            for (was, is) in was.0.iter().zip(is.0) {
+                assert!(is.saturating_add(2) >= *was, "{irradiance} at {x}, {y}: {was} to {is}");
+            }
+        }
+        before = now;
+    }
+}

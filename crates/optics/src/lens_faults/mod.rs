@@ -256,6 +256,7 @@ impl LensFaults {
             true => lamps::lamps_of(light, n_colors, optic.size),
             false => Vec::new(),
         };
+        let sun = sun.and_then(|sun| self.as_seen(sun, optic));
         lamps.extend(sun);
         for (_, fault) in &self.faults {
             match fault {
@@ -269,6 +270,25 @@ impl LensFaults {
                 LensFault::Shading(it) => it.over(light, n_colors, optic),
             }
         }
+    }
+
+    /// A lamp where a lens that bends lines shows it; none where it does not.
+    fn as_seen(&self, lamp: Lamp, optic: &Optic) -> Option<Lamp> {
+        let at_px = match self.moved_places(optic) {
+            Some(moved) => moved.seen_at(lamp.at_px)?,
+            None => lamp.at_px,
+        };
+        Some(Lamp { at_px, ..lamp })
+    }
+
+    /// Share of the light of every pixel that is spread over the frame.
+    #[must_use]
+    pub fn scattered(&self, optic: &Optic) -> f64 {
+        let kept = (self.faults.iter()).fold(1.0, |kept, (_, fault)| match fault {
+            LensFault::Glare(it) => kept * (1.0 - it.scattered(optic)),
+            _ => kept,
+        });
+        1.0 - kept
     }
 
     /// Moves a value of each pixel of a frame, in rows from the top, as what an image shows is; 0 where nothing is shown.

@@ -237,14 +237,16 @@ where
     if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
         let before = |light: &mut Vec<f32>, n_colors| {
             let brighter = faults.lens.unclip(light, n_colors, size.0);
-            let unclipped = Unclipped::of(brighter, light, n_colors);
+            let optic = behind.optic.as_ref();
+            let scattered = optic.map_or(0.0, |optic| faults.lens.scattered(optic));
+            let unclipped = Unclipped::of(brighter, (light, n_colors), single(scattered));
             if let Some(glass) = glass {
                 glass.over_light(light, n_colors);
             }
             for screen in &behind.screens {
                 screen.over(light, n_colors);
             }
-            if let Some(optic) = &behind.optic {
+            if let Some(optic) = optic {
                 (faults.lens).over(light, n_colors, (optic, behind.sun), at.frame);
             }
             unclipped
@@ -321,15 +323,18 @@ struct Unclipped {
     pixels: Vec<usize>,
     /// With the colors of each side by side.
     light: Vec<f32>,
+    /// How much of it at least is changed: what is scattered away, whatever comes instead.
+    scattered: f32,
 }
 
 impl Unclipped {
-    /// Of pixels of a frame's light of so many colors.
-    fn of(pixels: Vec<usize>, light: &[f32], n_colors: usize) -> Self {
+    /// Of pixels of a frame's light of so many colors, of which such a share is scattered.
+    fn of(pixels: Vec<usize>, (light, n_colors): (&[f32], usize), scattered: f32) -> Self {
         let colors = |at: &usize| &light[at * n_colors..][..n_colors];
         Self {
             light: pixels.iter().flat_map(colors).copied().collect(),
             pixels,
+            scattered,
         }
     }
 
@@ -345,7 +350,8 @@ impl Unclipped {
             let was = &samples[at * n_channels..][..n_colors];
             let after = &after[at * n_colors..][..n_colors];
             for (was, (before, after)) in was.iter().zip(before.iter().zip(after)) {
-                codes.push(S::of_light(clipped_again(was.light(), *before, *after)));
+                let light = clipped_again(was.light(), [*before, *after], self.scattered);
+                codes.push(S::of_light(light));
             }
         }
         codes
@@ -396,11 +402,12 @@ const LEAST_CHANGE: f32 = 0.02;
 
 /// The light of a sample that was taken to be brighter before all that light meets, and what it is after that. What meets
 /// nothing is as it was.
-fn clipped_again(was: f32, before: f32, after: f32) -> f32 {
+fn clipped_again(was: f32, [before, after]: [f32; 2], scattered: f32) -> f32 {
     if before <= was {
         return after;
     }
-    let part = ((after - before).abs() / (LEAST_CHANGE * before)).min(1.0);
+    let change = ((after - before) / before).abs().max(scattered);
+    let part = (change / LEAST_CHANGE).min(1.0);
     let same = after / before * was;
     same + part * (after - same)
 }
