@@ -155,7 +155,7 @@ pub(super) struct Look {
     pub(super) mirror: Mirror,
     /// Direction of sight in the glass.
     pub(super) inside: Vector,
-    /// What it is seen of once more beyond itself.
+    /// What is seen of it once more, by way of the outer face.
     pub(super) ghost: Sent,
 }
 
