@@ -517,7 +517,10 @@ fn more_of_a_low_sun_makes_nothing_darker() {
         let now = under(irradiance);
         for ((x, y, was), is) in before.enumerate_pixels().zip(now.pixels()) {
             for (was, is) in was.0.iter().zip(is.0) {
-                assert!(is.saturating_add(2) >= *was, "{irradiance} at {x}, {y}: {was} to {is}");
+                assert!(
+                    is.saturating_add(2) >= *was,
+                    "{irradiance} at {x}, {y}: {was} to {is}"
+                );
             }
         }
         before = now;
