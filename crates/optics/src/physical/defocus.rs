@@ -107,7 +107,9 @@ pub(crate) fn defocus_rows<const LANES: usize>(
             continue;
         }
         for (x, pixel) in row.chunks_exact_mut(LANES).enumerate() {
-            let light = between(size, [place(x), place(y)], |at| side_by_side(&small[at]));
+            let light = between(size, [place(x), place(y)], |x, y| {
+                side_by_side(&small[y * size.0 + x])
+            });
             pixel.copy_from_slice(&light.to_array()[..LANES]);
         }
     }

@@ -21,6 +21,21 @@ pub(super) struct Elsewhere {
     pub(super) is_wide: u32,
 }
 
+/// Light that is the mean over much of the frame, for a pixel: that between four cells of the coarse scene.
+#[derive(Debug, Clone)]
+pub(super) struct Averaged {
+    /// Place of its run among those that take light from elsewhere, and its place in that.
+    run: u32,
+    pixel: u32,
+    /// The upper left cell, and how many on those to the right and below are.
+    cell: u32,
+    right: u32,
+    below: u32,
+    /// How far the place is from the former towards the latter.
+    parts: [f32; 2],
+    share: f32,
+}
+
 /// A mirror's picture moves by at most this much, px, from one pixel to the next.
 pub(super) const ONE_MIRROR: f32 = 2.0;
 
@@ -40,29 +55,69 @@ impl OverlayLayer {
         gathered: &mut Vec<[[f32; CHUNK]; COLORS]>,
     ) {
         let light = |x: usize, y: usize| side_by_side(&colors(x, y));
-        let coarse = if self.elsewhere.iter().any(|other| other.is_wide > 0) {
-            Coarse::of(size, &colors, self.has_drops)
-        } else {
-            Coarse { levels: Vec::new() }
-        };
         gathered.clear();
         gathered.resize(self.elsewhere.len(), [[0.0; CHUNK]; COLORS]);
-        for (other, pixels) in self.elsewhere.iter().zip(gathered) {
-            let mut add = |k: usize, light: f32x4| {
-                for (pixels, color) in pixels.iter_mut().zip(light.to_array()) {
-                    pixels[k] += color;
-                }
-            };
-            // One after the other, so that no branch has to be foretold.
+        let mut add = |run: usize, k: usize, light: f32x4| {
+            for (pixels, color) in gathered[run].iter_mut().zip(light.to_array()) {
+                pixels[k] += color;
+            }
+        };
+        for (run, other) in self.elsewhere.iter().enumerate() {
             for k in set_bits(other.is_fine.into()) {
                 let share = other.share[k] * (1.0 - part_averaged(other.width[k]));
-                let light = between_pixels(size, [other.u[k], other.v[k]], light);
-                add(k, light * share);
+                let light = between(size, [other.u[k], other.v[k]], light);
+                add(run, k, light * share);
             }
+        }
+        if self.averaged.is_empty() {
+            return;
+        }
+        let cells = coarse(size, &colors, self.has_drops);
+        for it in &self.averaged {
+            let [first, right, below] = [it.cell, it.right, it.below].map(|at| at as usize);
+            let [s, t] = it.parts;
+            let row = |at: usize| cells[at] + (cells[at + right] - cells[at]) * s;
+            let (top, bottom) = (row(first), row(first + below));
+            let light = top + (bottom - top) * t;
+            add(it.run as usize, it.pixel as usize, light * it.share);
+        }
+    }
+
+    /// Finds what is averaged in a frame of a size, px, which does not depend on what it shows.
+    pub(super) fn find_averaged(&mut self, size: (usize, usize)) {
+        let n: u32 = self
+            .elsewhere
+            .iter()
+            .map(|it| it.is_wide.count_ones())
+            .sum();
+        self.averaged.clear();
+        self.averaged.reserve(n as usize);
+        let levels = levels(size);
+        for (run, other) in (0..).zip(&self.elsewhere) {
             for k in set_bits(other.is_wide.into()) {
-                let share = other.share[k] * part_averaged(other.width[k]);
-                let light = coarse.mean([other.u[k], other.v[k]], other.width[k]);
-                add(k, light * share);
+                let (place, width) = ([other.u[k], other.v[k]], other.width[k]);
+                let share = other.share[k] * part_averaged(width);
+                for (level, part) in levels_of(&levels, width) {
+                    let four = Four::around(level.size, place.map(|place| place * level.per_px));
+                    let [right, below] = four.steps;
+                    #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+                    let [pixel, cell, right, below] = [
+                        k,
+                        level.first + four.first[1] * level.size.0 + four.first[0],
+                        right,
+                        below * level.size.0,
+                    ]
+                    .map(|at| at as u32);
+                    self.averaged.push(Averaged {
+                        run,
+                        pixel,
+                        cell,
+                        right,
+                        below,
+                        parts: four.parts,
+                        share: share * part,
+                    });
+                }
             }
         }
     }
@@ -98,72 +153,121 @@ pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4
 
 /// Light at a place, px, between the middles of pixels; beyond the frame that of its border.
 ///
-/// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel, counted
-/// row by row, its colors side by side.
+/// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel by column and row, its colors
+/// side by side.
 #[inline(always)]
 pub(super) fn between(
     size: (usize, usize),
     place: [f32; 2],
-    light: impl Fn(usize) -> f32x4,
-) -> f32x4 {
-    between_pixels(size, place, |x, y| light(y * size.0 + x))
-}
-
-/// The same of pixels by column and row.
-#[inline(always)]
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "px of a frame"
-)]
-fn between_pixels(
-    (width, height): (usize, usize),
-    [u, v]: [f32; 2],
     light: impl Fn(usize, usize) -> f32x4,
 ) -> f32x4 {
-    let last = [width as i32 - 1, height as i32 - 1];
-    let border = f32x4::new([last[0] as f32, last[1] as f32, 0.0, 0.0]);
-    let place = f32x4::new([u, v, 0.0, 0.0]) - 0.5;
-    // At least 0, and 0 where it is no number.
-    let place = (place & place.simd_gt(f32x4::ZERO)).fast_min(border);
-    let whole = place.fast_trunc_int();
-    let [x, y, ..] = whole.to_array();
-    let [s, t, ..] = (place - f32x4::from_i32x4(whole)).to_array();
-    let (right, below) = ((x + 1).min(last[0]), (y + 1).min(last[1]));
-    let at = |x: i32, y: i32| light(x as usize, y as usize);
-    let (top_left, top_right) = (at(x, y), at(right, y));
-    let (bottom_left, bottom_right) = (at(x, below), at(right, below));
+    let four = Four::around(size, place);
+    let [x, y] = four.first;
+    let [right, below] = four.steps;
+    let [s, t] = four.parts;
+    let (top_left, top_right) = (light(x, y), light(x + right, y));
+    let (bottom_left, bottom_right) = (light(x, y + below), light(x + right, y + below));
     let top = top_left + (top_right - top_left) * s;
     let bottom = bottom_left + (bottom_right - bottom_left) * s;
     top + (bottom - top) * t
 }
 
-/// The scene in large cells: means of pixels of each, then of ever more cells.
-struct Coarse {
-    levels: Vec<Level>,
+/// The four pixels around a place.
+struct Four {
+    /// Column and row of the upper left one.
+    first: [usize; 2],
+    /// From there to the others: 1, or 0 at the border.
+    steps: [usize; 2],
+    /// How far the place is from the former towards the latter.
+    parts: [f32; 2],
 }
 
+impl Four {
+    #[inline(always)]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "px of a frame"
+    )]
+    fn around((width, height): (usize, usize), [u, v]: [f32; 2]) -> Self {
+        let last = [width as i32 - 1, height as i32 - 1];
+        let border = f32x4::new([last[0] as f32, last[1] as f32, 0.0, 0.0]);
+        let place = f32x4::new([u, v, 0.0, 0.0]) - 0.5;
+        // At least 0, and 0 where it is no number.
+        let place = (place & place.simd_gt(f32x4::ZERO)).fast_min(border);
+        let whole = place.fast_trunc_int();
+        let [x, y, ..] = whole.to_array();
+        let [s, t, ..] = (place - f32x4::from_i32x4(whole)).to_array();
+        Self {
+            first: [x as usize, y as usize],
+            steps: [usize::from(x < last[0]), usize::from(y < last[1])],
+            parts: [s, t],
+        }
+    }
+}
+
+/// A level of the coarse scene: means of ever more pixels.
 struct Level {
+    /// Place of its first cell among those of all levels.
+    first: usize,
     size: (usize, usize),
     /// Cells in a pixel.
     per_px: f32,
-    /// Of the cells, row by row.
-    light: Vec<f32x4>,
 }
 
-impl Coarse {
-    /// Of all pixels, or of four of each cell, in two rows: a row is as much to fetch as many pixels of it.
-    fn of<const COLORS: usize>(
-        (width, height): (usize, usize),
-        colors: impl Fn(usize, usize) -> [f32; COLORS],
-        has_all: bool,
-    ) -> Self {
-        let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
-        let some = [(3, 4), (11, 4), (5, 12), (13, 12)];
-        let mut cells = vec![f32x4::ZERO; size.0 * size.1];
-        for (row, y) in cells.chunks_exact_mut(size.0).zip((0..).step_by(CELL_PX)) {
+/// The levels of a frame of a size, px, each with half as many cells along a side as the one before, down to one.
+fn levels((width, height): (usize, usize)) -> Vec<Level> {
+    let mut levels = Vec::new();
+    let (mut first, mut side) = (0, CELL_PX);
+    loop {
+        let size = (width.div_ceil(side), height.div_ceil(side));
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let per_px = 1.0 / side as f32;
+        levels.push(Level {
+            first,
+            size,
+            per_px,
+        });
+        if size.0.max(size.1) <= 1 {
+            return levels;
+        }
+        first += size.0 * size.1;
+        side *= 2;
+    }
+}
+
+/// Between which levels the mean over about a width, px, to each side is, and with which weights: the first one whose cells
+/// are at least twice as wide, and the one before it, whose cells are half as wide.
+fn levels_of(levels: &[Level], width: f32) -> impl Iterator<Item = (&Level, f32)> {
+    #[expect(clippy::cast_precision_loss, reason = "16 px")]
+    let cells = (2.0 * width / CELL_PX as f32).max(1.0);
+    let exponent = exponent_up(cells);
+    let doublings = exponent as usize - 127;
+    let halves = cells / power_of(exponent - 1);
+    let is_between = doublings > 0 && halves < 2.0;
+    let wide = if is_between { halves - 1.0 } else { 1.0 };
+    let narrow = is_between.then(|| (doublings - 1, 2.0 - halves));
+    let of =
+        |(doublings, part): (usize, f32)| Some((levels.get(doublings).or(levels.last())?, part));
+    narrow.into_iter().chain([(doublings, wide)]).filter_map(of)
+}
+
+/// The cells of all levels, of which the finest are means of all their pixels, or of four of each, in two rows: a row is as
+/// much to fetch as many pixels of it.
+fn coarse<const COLORS: usize>(
+    (width, height): (usize, usize),
+    colors: impl Fn(usize, usize) -> [f32; COLORS],
+    has_all: bool,
+) -> Vec<f32x4> {
+    let levels = levels((width, height));
+    let n_cells = levels.last().map_or(0, |last| last.first + 1);
+    let mut cells = vec![f32x4::ZERO; n_cells];
+    let some = [(3, 4), (11, 4), (5, 12), (13, 12)];
+    for level in levels.iter().take(1) {
+        let finest = cells.chunks_exact_mut(level.size.0).take(level.size.1);
+        for (row, y) in finest.zip((0..).step_by(CELL_PX)) {
             for (cell, x) in row.iter_mut().zip((0..).step_by(CELL_PX)) {
                 *cell = if has_all {
                     mean_light([x, y], [width, height], |x, y| side_by_side(&colors(x, y)))
@@ -180,45 +284,14 @@ impl Coarse {
                 };
             }
         }
-        #[expect(clippy::cast_precision_loss, reason = "16 px")]
-        let mut levels = vec![Level {
-            size,
-            per_px: 1.0 / CELL_PX as f32,
-            light: cells,
-        }];
-        while let Some(last) = levels
-            .last()
-            .filter(|last| last.size.0.max(last.size.1) > 1)
-        {
-            let next = last.halved();
-            levels.push(next);
-        }
-        Self { levels }
     }
-
-    /// Mean light about a place, px, over about `width` px to each side.
-    #[inline(always)]
-    fn mean(&self, [u, v]: [f32; 2], width: f32) -> f32x4 {
-        // Of the first level whose cells are at least twice as wide, and of the one before it, whose cells are half as wide.
-        #[expect(clippy::cast_precision_loss, reason = "16 px")]
-        let cells = (2.0 * width / CELL_PX as f32).max(1.0);
-        let exponent = exponent_up(cells);
-        let doublings = exponent as usize - 127;
-        let of_level = |doublings: usize| {
-            let level = self.levels.get(doublings).or(self.levels.last());
-            level.map_or(f32x4::ZERO, |level| {
-                let place = [u, v].map(|place| place * level.per_px);
-                between(level.size, place, |at| level.light[at])
-            })
-        };
-        let wide = of_level(doublings);
-        let halves = cells / power_of(exponent - 1);
-        if doublings == 0 || halves >= 2.0 {
-            return wide;
+    for two in levels.windows(2) {
+        if let [finer, level] = two {
+            let (known, cells) = cells.split_at_mut(level.first);
+            finer.halve(&known[finer.first..], cells);
         }
-        let narrow = of_level(doublings - 1);
-        narrow + (wide - narrow) * (halves - 1.0)
     }
+    cells
 }
 
 /// Mean light of the pixels of a cell from its first on, as far as it lies in the frame.
@@ -240,26 +313,21 @@ fn mean_light(
 }
 
 impl Level {
-    fn halved(&self) -> Self {
+    /// Means of two by two of its cells.
+    fn halve(&self, from: &[f32x4], to: &mut [f32x4]) {
         let (width, height) = self.size;
-        let size = (width.div_ceil(2), height.div_ceil(2));
-        let mut light = Vec::with_capacity(size.0 * size.1);
+        let mut to = to.iter_mut();
         for y in (0..height).step_by(2) {
             for x in (0..width).step_by(2) {
                 let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-                let cells = [(x, y), (right, y), (x, below), (right, below)];
-                let cells = cells.map(|(x, y)| self.light[y * width + x]);
                 let mut sum = f32x4::ZERO;
-                for cell in cells {
-                    sum += cell;
+                for (x, y) in [(x, y), (right, y), (x, below), (right, below)] {
+                    sum += from[y * width + x];
                 }
-                light.push(sum * 0.25);
+                if let Some(to) = to.next() {
+                    *to = sum * 0.25;
+                }
             }
-        }
-        Self {
-            size,
-            per_px: 0.5 * self.per_px,
-            light,
         }
     }
 }

@@ -128,8 +128,9 @@ impl Lighting {
         }
     }
 
-    /// The layer under the light.
-    pub(crate) fn into_layer(self) -> OverlayLayer {
+    /// The layer under the light, for frames of a size, px.
+    pub(crate) fn into_layer(mut self, size: (usize, usize)) -> OverlayLayer {
+        self.layer.find_averaged(size);
         self.layer
     }
 }
@@ -147,7 +148,7 @@ impl OverlayLayer {
         }
         Self {
             has_drops: layer.has_drops,
-            ..lighting.into_layer()
+            ..lighting.into_layer(layer.light.size())
         }
     }
 }

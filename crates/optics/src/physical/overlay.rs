@@ -5,7 +5,7 @@ use std::ops::Range;
 use image::GrayImage;
 
 use super::PhysicalOptics;
-use super::elsewhere::Elsewhere;
+use super::elsewhere::{Averaged, Elsewhere};
 use super::light::Colors;
 use super::pattern::Pattern;
 use crate::bit_rows::set_bits;
@@ -33,6 +33,8 @@ pub(crate) struct OverlayLayer {
     /// What some runs keep of each color.
     pub(super) tinted: Vec<[[f32; CHUNK]; 3]>,
     pub(super) elsewhere: Vec<Elsewhere>,
+    /// What of that is the mean over much of the frame.
+    pub(super) averaged: Vec<Averaged>,
     /// Whether each lamp counts where light from elsewhere is averaged: that of drops.
     pub(super) has_drops: bool,
 }

@@ -201,7 +201,8 @@ impl PackedPattern {
             lighting.push(at, (&lanes, present), is_tinted.then_some(&colors));
         }
         while tints.next(reader)?.is_some() {}
-        Ok(lighting.into_layer())
+        let (width, height) = self.size;
+        Ok(lighting.into_layer((width as usize, height as usize)))
     }
 
     /// As [`Pattern::coverage`] of the pattern.
