@@ -97,7 +97,11 @@ impl OverlayLayer {
             for k in set_bits(other.is_wide.into()) {
                 let (place, width) = ([other.u[k], other.v[k]], other.width[k]);
                 let share = other.share[k] * part_averaged(width);
-                for (level, part) in levels_of(&levels, width) {
+                for (doublings, part) in levels_of(width) {
+                    if part <= 0.0 {
+                        continue;
+                    }
+                    let level = &levels[doublings.min(levels.len() - 1)];
                     let four = Four::around(level.size, place.map(|place| place * level.per_px));
                     let [right, below] = four.steps;
                     #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
@@ -239,19 +243,19 @@ fn levels((width, height): (usize, usize)) -> Vec<Level> {
 }
 
 /// Between which levels the mean over about a width, px, to each side is, and with which weights: the first one whose cells
-/// are at least twice as wide, and the one before it, whose cells are half as wide.
-fn levels_of(levels: &[Level], width: f32) -> impl Iterator<Item = (&Level, f32)> {
+/// are at least twice as wide, and the one before it, whose cells are half as wide, if it is not that one alone.
+#[inline(always)]
+fn levels_of(width: f32) -> [(usize, f32); 2] {
     #[expect(clippy::cast_precision_loss, reason = "16 px")]
     let cells = (2.0 * width / CELL_PX as f32).max(1.0);
     let exponent = exponent_up(cells);
     let doublings = exponent as usize - 127;
     let halves = cells / power_of(exponent - 1);
-    let is_between = doublings > 0 && halves < 2.0;
-    let wide = if is_between { halves - 1.0 } else { 1.0 };
-    let narrow = is_between.then(|| (doublings - 1, 2.0 - halves));
-    let of =
-        |(doublings, part): (usize, f32)| Some((levels.get(doublings).or(levels.last())?, part));
-    narrow.into_iter().chain([(doublings, wide)]).filter_map(of)
+    let wide = match doublings > 0 && halves < 2.0 {
+        true => halves - 1.0,
+        false => 1.0,
+    };
+    [(doublings.saturating_sub(1), 1.0 - wide), (doublings, wide)]
 }
 
 /// The cells of all levels, of which the finest are means of all their pixels, or of four of each, in two rows: a row is as
