@@ -51,8 +51,8 @@ pub struct Ghost {
 /// Radius of the front of the lens, in those of the pupil: nothing comes from beyond. FIT.
 const FRONT: f64 = 1.3;
 
-/// Farthest that a lamp may stand beyond the frame, in half diagonals: there a hood shades the lens. FIT.
-const FARTHEST: f64 = 1.5;
+/// Farthest that a lamp may stand from the middle of the frame, in half diagonals: there a hood shades the lens. FIT.
+pub(super) const FARTHEST: f64 = 1.5;
 
 /// Radius from which a ghost is drawn in cells of [`CELL_PX`], px.
 const LARGE_PX: f64 = 12.0;

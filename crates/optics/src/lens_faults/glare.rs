@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::Optic;
+use super::ghosts::FARTHEST;
 use super::lamps::Lamp;
 use crate::environment::{of_colors, smooth_step};
 use crate::pyramid::{Cells, Pyramid, vectorized};
@@ -26,8 +27,8 @@ pub struct Glare {
 const SIGMAS_RAD: [f64; 4] = [0.3, 0.1, 0.033_333, 0.011_111];
 
 /// How far the sun may stand from the middle of the frame, in half diagonals, before a hood begins to shade the lens,
-/// and where all of it is shaded. FIT.
-const HOOD: [f64; 2] = [1.0, 1.5];
+/// and where all of it is shaded, as for ghosts. FIT.
+const HOOD: [f64; 2] = [1.0, FARTHEST];
 
 /// Light of a sun that adds less everywhere is none.
 const LEAST: f64 = 2e-5;
@@ -124,6 +125,9 @@ impl Glare {
         let from_middle = [0, 1].map(|k| sun.at_px[k] - middle[k]);
         let away = libm::hypot(from_middle[0], from_middle[1]) / optic.half_diagonal_px();
         let passes = 1.0 - smooth_step(away, HOOD);
+        if passes <= 0.0 {
+            return;
+        }
         let scattered = passes * self.scattered(optic) / SIGMAS_RAD.len() as f64;
         // Along the columns and along the rows, of each Gaussian.
         let along = |axis: usize, n: usize| -> Vec<[f32; 4]> {

@@ -46,8 +46,8 @@ pub(crate) const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
 const CELL_PX: usize = 16;
 
 impl OverlayLayer {
-    /// The light of all runs from elsewhere, weighted by its share, over what was gathered before; `light` is that of a
-    /// pixel in a column and a row.
+    /// The light of all runs from elsewhere, weighted by its share, over what was gathered before; `colors` are those of
+    /// the pixel in a column and a row.
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
@@ -85,44 +85,42 @@ impl OverlayLayer {
 
     /// Finds what is averaged in a frame of a size, px, which does not depend on what it shows.
     pub(super) fn find_averaged(&mut self, size: (usize, usize)) {
-        let n: u32 = self
-            .elsewhere
-            .iter()
-            .map(|it| it.is_wide.count_ones())
-            .sum();
+        let n_wide = self.elsewhere.iter().map(|it| it.is_wide.count_ones());
         self.averaged.clear();
-        self.averaged.reserve(n as usize);
+        self.averaged.reserve(n_wide.sum::<u32>() as usize);
         let levels = levels(size);
         for (run, other) in (0..).zip(&self.elsewhere) {
             for k in set_bits(other.is_wide.into()) {
                 let (place, width) = ([other.u[k], other.v[k]], other.width[k]);
                 let share = other.share[k] * part_averaged(width);
                 for (doublings, part) in levels_of(width) {
-                    if part <= 0.0 {
-                        continue;
+                    if part > 0.0 {
+                        let level = &levels[doublings.min(levels.len() - 1)];
+                        let it = Averaged::of((run, k), (level, place), share * part);
+                        self.averaged.push(it);
                     }
-                    let level = &levels[doublings.min(levels.len() - 1)];
-                    let four = Four::around(level.size, place.map(|place| place * level.per_px));
-                    let [right, below] = four.steps;
-                    #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-                    let [pixel, cell, right, below] = [
-                        k,
-                        level.first + four.first[1] * level.size.0 + four.first[0],
-                        right,
-                        below * level.size.0,
-                    ]
-                    .map(|at| at as u32);
-                    self.averaged.push(Averaged {
-                        run,
-                        pixel,
-                        cell,
-                        right,
-                        below,
-                        parts: four.parts,
-                        share: share * part,
-                    });
                 }
             }
+        }
+    }
+}
+
+impl Averaged {
+    /// Of a pixel of a run, about a place, px, between cells of a level.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+    fn of((run, pixel): (u32, usize), (level, place): (&Level, [f32; 2]), share: f32) -> Self {
+        let four = Four::around(level.size, place.map(|place| place * level.per_px));
+        let ([x, y], [right, below]) = (four.first, four.steps);
+        let columns = level.size.0;
+        Self {
+            run,
+            pixel: pixel as u32,
+            cell: (level.first + y * columns + x) as u32,
+            right: right as u32,
+            below: (below * columns) as u32,
+            parts: four.parts,
+            share,
         }
     }
 }
@@ -258,8 +256,7 @@ fn levels_of(width: f32) -> [(usize, f32); 2] {
     [(doublings.saturating_sub(1), 1.0 - wide), (doublings, wide)]
 }
 
-/// The cells of all levels, of which the finest are means of all their pixels, or of four of each, in two rows: a row is as
-/// much to fetch as many pixels of it.
+/// The cells of all levels, of which the finest are means of all their pixels or of some.
 fn coarse<const COLORS: usize>(
     (width, height): (usize, usize),
     colors: impl Fn(usize, usize) -> [f32; COLORS],
@@ -268,25 +265,14 @@ fn coarse<const COLORS: usize>(
     let levels = levels((width, height));
     let n_cells = levels.last().map_or(0, |last| last.first + 1);
     let mut cells = vec![f32x4::ZERO; n_cells];
-    let some = [(3, 4), (11, 4), (5, 12), (13, 12)];
-    for level in levels.iter().take(1) {
-        let finest = cells.chunks_exact_mut(level.size.0).take(level.size.1);
-        for (row, y) in finest.zip((0..).step_by(CELL_PX)) {
-            for (cell, x) in row.iter_mut().zip((0..).step_by(CELL_PX)) {
-                *cell = if has_all {
-                    mean_light([x, y], [width, height], |x, y| side_by_side(&colors(x, y)))
-                } else {
-                    // Color by color, which is faster.
-                    let mut sum = [0.0; COLORS];
-                    for (dx, dy) in some {
-                        let pixel = colors((x + dx).min(width - 1), (y + dy).min(height - 1));
-                        for (sum, color) in sum.iter_mut().zip(pixel) {
-                            *sum += color;
-                        }
-                    }
-                    side_by_side(&sum) * 0.25
-                };
-            }
+    let (columns, rows) = levels[0].size;
+    let finest = cells.chunks_exact_mut(columns).take(rows);
+    for (row, y) in finest.zip((0..).step_by(CELL_PX)) {
+        for (cell, x) in row.iter_mut().zip((0..).step_by(CELL_PX)) {
+            *cell = match has_all {
+                true => mean_light([x, y], [width, height], |x, y| side_by_side(&colors(x, y))),
+                false => mean_of_four([x, y], [width, height], &colors),
+            };
         }
     }
     for two in levels.windows(2) {
@@ -296,6 +282,24 @@ fn coarse<const COLORS: usize>(
         }
     }
     cells
+}
+
+/// Mean light of four pixels of a cell, in two rows: a row is as much to fetch as many pixels of it.
+#[inline(always)]
+fn mean_of_four<const COLORS: usize>(
+    [x, y]: [usize; 2],
+    [width, height]: [usize; 2],
+    colors: impl Fn(usize, usize) -> [f32; COLORS],
+) -> f32x4 {
+    // Color by color, which is faster.
+    let mut sum = [0.0; COLORS];
+    for (dx, dy) in [(3, 4), (11, 4), (5, 12), (13, 12)] {
+        let pixel = colors((x + dx).min(width - 1), (y + dy).min(height - 1));
+        for (sum, color) in sum.iter_mut().zip(pixel) {
+            *sum += color;
+        }
+    }
+    side_by_side(&sum) * 0.25
 }
 
 /// Mean light of the pixels of a cell from its first on, as far as it lies in the frame.

@@ -292,7 +292,8 @@ impl Elsewhere {
             is_wide |= u32::from(is_shown & (averaged > 0.0)) << k;
             *share = if is_shown { *share } else { 0.0 };
         }
-        (is_fine | is_wide > 0).then(|| Self {
+        let is_any = (is_fine | is_wide) > 0;
+        is_any.then(|| Self {
             share,
             u: lanes[FRAME_U],
             v: lanes[FRAME_V],
