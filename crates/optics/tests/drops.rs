@@ -643,3 +643,32 @@ fn a_drop_out_of_focus_is_the_sharp_one_spread_by_the_disc() {
         );
     }
 }
+
+/// Beside the camera, nearly in the plane in which it looks at nothing, a drop and its blur are as large as they are far from
+/// the frame: none of it may come there.
+#[test]
+fn drops_beside_the_camera_are_not_seen() {
+    let camera = Camera {
+        f_px: 2000.0,
+        distance_m: 0.15,
+        rake_rad: 50.0_f64.to_radians(),
+        axis_at_mm: [0.0; 2],
+    };
+    let optics = PhysicalOptics::default();
+    let size = (2560, 1440);
+    let view = View::through(&camera, size).unwrap();
+    // Where z = d + y sin ρ is 0.
+    let plane_mm = -150.0 / camera.rake_rad.sin();
+    let places = (0..200).map(|k| [f64::from(k % 20) * 30.0 - 290.0, f64::from(k / 20) * 0.2]);
+    let caps: Vec<Cap> = (places.zip(uneven(50.0, 200)))
+        .map(|([x, y], outline)| Cap {
+            at_mm: [x, plane_mm + y],
+            outline,
+            ..cap(1.5, 50.0)
+        })
+        .collect();
+    let none = CrackNetwork::without_cracks(size.0, size.1);
+    let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+    let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
+    assert!(pattern.is_intact(), "nothing of them is in the frame");
+}

@@ -2,7 +2,7 @@
 //!
 //! `recode_bag N_THREADS IN OUT` reads each message of a bag, decodes the compressed images of its cameras, encodes them
 //! in their format with the quality of the default recipe, and writes all messages again, with the codecs, threads and
-//! compression of `bag`. One batch is in memory.
+//! compression of `bag`, to the disk as it does. One batch is in memory.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use std::collections::BTreeMap;
@@ -99,6 +99,8 @@ fn recode(from: &str, to: &str) -> Result<u64, Failure> {
     }
     write(&mut writer, batch)?;
     writer.finish()?;
+    // On the disk, as `bag` leaves it.
+    writer.into_inner().into_inner()?.sync_all()?;
     Ok(n_messages)
 }
 

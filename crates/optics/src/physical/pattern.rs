@@ -14,7 +14,7 @@ use crate::interface::gap::GapTable;
 use crate::lens::Lens;
 use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
-    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drops, fragment_facets, hit_facets,
+    Drops, Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
 };
 use crate::{OpticsError, View};
 
@@ -149,9 +149,10 @@ impl Pattern {
         }
         let gaps = gap_table(optics.glass.refractive_index);
         let from = light_from(&sheet, optics, &gaps);
-        let drops = drops(&from, &deposit.caps, Pupil::of(&optics.lens).reach());
-        let drawn: Vec<&dyn Drawn<LANES>> = drops.iter().map(|drop| drop as _).collect();
-        let light = self.spread(&[], &drawn, &optics.lens);
+        let pupil_reach = Pupil::of(&optics.lens).reach();
+        let reaches = (reach_px(&sheet, pupil_reach), pupil_reach);
+        let drops = Drops::of(&from, &deposit.caps, reaches);
+        let light = self.spread(&[], &drops.all(), &optics.lens);
         let layer = self.layer_of(light, &[], (&optics.lens, Spread::Squares));
         self.layers.splice(0..0, layer);
         Ok(self)

@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::ops::Range;
 
-use starbreak_deposit::{Outline, RoundPlace};
+use starbreak_deposit::{Cap, RoundPlace};
 
-use super::drops::{Drop, RIM, Sight};
-use super::glimpse::{Glimpse, Glimpses};
+use super::SheetView;
+use super::drops::{Drop, LEAST_PX, RIM, Sight};
 use super::lobe::LANES;
 use crate::maps::{Drawn, add_arrays, cells_per_px};
 use crate::vector::Vector;
@@ -16,20 +16,16 @@ use crate::vector::Vector;
 const LEAST_RAYS: f64 = 0.75;
 const MOST_OF_CELL: u32 = 64;
 
-/// Radius along its longer side, in rays, below which a drop is small: it shows what it shows in the mean, and how that
-/// changes across it.
-const SMALL_RAYS: f64 = 2.2;
-
-/// Radius along its shorter side, in rays, up to which they are so few that where they lie makes a drop larger or smaller, and most rays that are looked
-/// at for that.
+/// Radius along its shorter side, in rays, up to which they are so few that where they lie makes a drop larger or smaller,
+/// and most rays that are looked at for that.
 const UNEVEN_RAYS: f64 = 3.0;
 const MOST_EVENED: usize = 4096;
 
 /// The same from which on rays at the rim look at the middle of what they stand for.
 const MANY_RAYS: f64 = 6.0;
 
-/// Blur, px, from which on a share below 0 at one side of a small drop is made up for by the other.
-const SOFT_PX: f64 = 1.0;
+/// Blur, px, from which on a share below 0 at one side of a small drop is made up for by the other, and no lines are seen in it.
+pub(super) const SOFT_PX: f64 = 1.0;
 
 /// Greatest radius along the longer side, of the focal length, of a drop across which places and directions change evenly.
 const NARROW: f64 = 0.006;
@@ -73,15 +69,12 @@ pub(crate) struct DrawnDrop<'a> {
     /// alone, a ray may meet it.
     per_ray: [[f64; 2]; 2],
     reach: f64,
-    /// Radius along the longer side, in rays.
-    widest_rays: f64,
+    /// Level up to which a ray looks at its own place, and all of what it stands for is the drop.
+    whole_within: f64,
     /// Weight of a ray that stands for all of its place: of a cell, and so that few rays are as large as the drop.
     share: f64,
     /// Of one that is seen under a small angle.
     narrow: Option<Narrow>,
-    /// The mean place of few rays, and what a small drop shows.
-    mean_place: [f64; 2],
-    glimpse: Option<Glimpse>,
 }
 
 /// A drop that is seen under so small an angle that places and directions change evenly across it.
@@ -93,15 +86,14 @@ struct Narrow {
 }
 
 impl<'a> DrawnDrop<'a> {
-    /// As far as it lies in the frame or its blur, by a pupil that reaches so many of its radii from its middle, reaches
+    /// Of one that is seen in the frame or its blur, by a pupil that reaches so many of its radii from its middle, reaches
     /// into it; none elsewhere.
-    pub(super) fn of(drop: Drop<'a>, pupil_reach: f64) -> Option<Self> {
+    pub(super) fn of(drop: Drop<'a>, middle: &Seen, pupil_reach: f64) -> Option<Self> {
         let sheet = drop.water.from.sheet;
-        let blur_px = sheet.blur_radius_px(drop.cap.at_mm, sheet.outer_mm())?;
+        let blur_px = middle.blur_px;
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
-        let middle = Middle::of(&drop, beyond_px)?;
         let uneven = drop.cap.outline.reach();
-        let extent = Extent::of(&drop, &middle, BEYOND * uneven);
+        let extent = Extent::of(&drop, middle, BEYOND * uneven);
         let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(middle.places_per_px));
         let mut of_cell = 1;
         while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
@@ -140,11 +132,9 @@ impl<'a> DrawnDrop<'a> {
             per_ray: per_ray(middle.places_per_px),
             // With half a ray.
             reach: extent.reach + 0.5 / (radius_px * rays_per_px),
-            widest_rays: extent.widest_px / (BEYOND * uneven) * rays_per_px,
+            whole_within: whole_within(1.0 / (radius_px * rays_per_px)),
             share: 1.0 / f64::from(of_cell * of_cell),
             narrow,
-            mean_place: [0.0; 2],
-            glimpse: None,
             drop,
             blur_px,
             of_cell,
@@ -152,11 +142,6 @@ impl<'a> DrawnDrop<'a> {
             columns,
             rows,
         };
-        if drawn.is_small() {
-            // Its outline is not seen.
-            drawn.drop.cap.outline = Outline::default();
-            drawn.reach /= uneven;
-        }
         drawn.even_out();
         [drawn.columns, drawn.rows] = within;
         Some(drawn)
@@ -170,29 +155,16 @@ impl<'a> DrawnDrop<'a> {
         {
             return;
         }
-        let (mut parts, mut places) = (0.0, [0.0; 2]);
+        let mut parts = 0.0;
         for at in (self.rows.clone()).flat_map(|y| self.columns.clone().map(move |x| [x, y])) {
-            if let Some((part, place)) = self.place(at).and_then(|place| self.part(at, place)) {
+            if let Some((part, _)) = self.place(at).and_then(|place| self.part(at, place)) {
                 parts += part;
-                places = [0, 1].map(|k| places[k] + part * place.slope[k]);
             }
         }
         let [[a, b], [c, d]] = self.per_ray;
         // Of a drop that no ray meets nothing is shown.
         let parts = parts.max(1e-3);
         self.share *= PI / (a * d - b * c).abs() / parts;
-        self.mean_place = places.map(|place| place / parts);
-    }
-
-    /// Whether it is so small that a glimpse of it is enough.
-    pub(super) fn is_small(&self) -> bool {
-        self.widest_rays < SMALL_RAYS && self.narrow.is_some()
-    }
-
-    /// Shows what drops of its contact angle show where it is.
-    pub(super) fn show(&mut self, glimpses: &Glimpses) {
-        let at_px = self.middle.map(|at| at / self.rays_per_px);
-        self.glimpse = glimpses.at(at_px, self.blur_px.abs() >= SOFT_PX);
     }
 
     /// The place that a ray looks at, of the drop's radius from its middle, as far as that changes evenly; none of nearly
@@ -210,7 +182,11 @@ impl<'a> DrawnDrop<'a> {
 
     /// How much of its cell a ray stands for that looks at a place, and where that is on a round drop.
     fn part(&self, at: [i32; 2], place: [f64; 2]) -> Option<(f64, RoundPlace)> {
-        let RoundPlace { level, slope } = self.drop.cap.outline.round_place(place);
+        let whole = self.drop.cap.outline.round_place(place);
+        if whole.level < self.whole_within {
+            return Some((1.0, whole));
+        }
+        let RoundPlace { level, slope } = whole;
         let away = level.sqrt().max(1e-9);
         let [right, down] = slope.map(|part| part / away);
         // The rim is as many rays away as it takes to come there by the fastest way. Over all places that the rays may have,
@@ -245,11 +221,6 @@ impl<'a> DrawnDrop<'a> {
     /// What a ray shows; none where it stands for nothing of the drop.
     fn ray(&self, at: [i32; 2]) -> Option<[f32; LANES]> {
         let place = self.place(at)?;
-        if let Some(glimpse) = &self.glimpse {
-            let (part, place) = self.part(at, place)?;
-            let from_mean = [0, 1].map(|k| place.slope[k] - self.mean_place[k]);
-            return Some(glimpse.lanes(from_mean, self.share * part));
-        }
         let (place, sight) = match &self.narrow {
             Some(Narrow { sight, per_ray }) => {
                 let [x, y] = straight(per_ray, self.offset(at));
@@ -321,26 +292,31 @@ impl Drawn<LANES> for DrawnDrop<'_> {
     }
 }
 
-/// The middle of a drop as it is seen.
-struct Middle {
-    at_px: [f64; 2],
+/// Where a drop is seen, about its middle.
+pub(super) struct Seen {
+    pub(super) at_px: [f64; 2],
+    /// Signed radius of its blur.
+    pub(super) blur_px: f64,
     /// Direction of sight before the glass.
     sight: Vector,
     /// Change of the place on the outer face, of the drop's radius, and of the direction, per px along x and along y.
-    places_per_px: [[f64; 2]; 2],
+    pub(super) places_per_px: [[f64; 2]; 2],
     turns_per_px: [[f64; 2]; 2],
 }
 
-impl Middle {
-    /// None of one that is far beyond what is so far from the frame.
-    fn of(drop: &Drop<'_>, beyond_px: f64) -> Option<Self> {
-        let sheet = drop.water.from.sheet;
-        let at_px = drop.appears(drop.cap.at_mm)?;
-        let rim_px = drop.appears([drop.cap.at_mm[0] + drop.cap.radius_mm, drop.cap.at_mm[1]])?;
-        let far_px = beyond_px + 4.0 * libm::hypot(rim_px[0] - at_px[0], rim_px[1] - at_px[1]);
+impl Seen {
+    /// None of one that is nowhere near what lies so far from the frame, or so small that nothing is seen.
+    pub(super) fn of(cap: &Cap, sheet: &SheetView, reach_px: f64) -> Option<Self> {
+        let [[px_per_mm, _], _] = sheet.view().jacobian(cap.at_mm)?;
+        let radius_px = px_per_mm * cap.radius_mm;
+        if radius_px < LEAST_PX {
+            return None;
+        }
+        let at_px = sheet.project(cap.at_mm, sheet.outer_mm(), [0.0; 2])?;
         let (width, height) = sheet.view().size();
-        let frame = [width, height].map(f64::from);
-        if (0..2).any(|k| !(-far_px..frame[k] + far_px).contains(&at_px[k])) {
+        let far_px = reach_px + 4.0 * radius_px;
+        let is_far = |px: f64, side: u32| !(-far_px..f64::from(side) + far_px).contains(&px);
+        if is_far(at_px[0], width) || is_far(at_px[1], height) {
             return None;
         }
         let behind = |right_px: f64, down_px: f64| {
@@ -351,12 +327,13 @@ impl Middle {
         for (axis, [right, down]) in [[0.5, 0.0], [0.0, 0.5]].into_iter().enumerate() {
             let [from, to] = [behind(-right, -down)?, behind(right, down)?];
             for k in 0..2 {
-                places_per_px[axis][k] = (to.0[k] - from.0[k]) / drop.cap.radius_mm;
+                places_per_px[axis][k] = (to.0[k] - from.0[k]) / cap.radius_mm;
                 turns_per_px[axis][k] = to.1[k] - from.1[k];
             }
         }
         Some(Self {
             at_px,
+            blur_px: sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?,
             sight: behind(0.0, 0.0)?.1,
             places_per_px,
             turns_per_px,
@@ -375,7 +352,7 @@ struct Extent {
 
 impl Extent {
     /// Of so many times its radius.
-    fn of(drop: &Drop<'_>, middle: &Middle, times: f64) -> Self {
+    fn of(drop: &Drop<'_>, middle: &Seen, times: f64) -> Self {
         let mut extent = Self {
             reach: 0.0,
             widest_px: 0.0,
@@ -405,13 +382,20 @@ impl Extent {
     }
 }
 
+/// The level up to which a ray that is so wide, of the drop's radius, lies within the drop and within its rim.
+fn whole_within(of_ray: f64) -> f64 {
+    let rim = (1.0 - of_ray * of_ray / 12.0).max(0.0).sqrt();
+    let within = (rim - of_ray).clamp(0.0, RIM - 0.5 * of_ray);
+    within * within
+}
+
 /// What is some steps away, by the change per step along x and along y.
-fn straight([along_x, along_y]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+pub(super) fn straight([along_x, along_y]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| x * along_x[k] + y * along_y[k])
 }
 
 /// Steps to the rim of a drop along its shorter side, by the change of the place, of its radius, per step.
-fn least_radius([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
+pub(super) fn least_radius([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
     // The inverse of the larger singular value.
     let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
     let root = (sum * sum - 4.0 * determinant * determinant)

@@ -2,10 +2,12 @@
 
 use starbreak_deposit::{Cap, RoundPlace};
 
-use super::drawn_drop::DrawnDrop;
+use super::drawn_drop::{DrawnDrop, Seen};
 use super::glimpse::Glimpses;
-use super::lobe::{Before, HELD, LightFrom, Sent};
+use super::lobe::{Before, HELD, LANES, LightFrom, Sent};
+use super::small_drop::SmallDrop;
 use crate::interface::fresnel::{reflectance, reflectance_at};
+use crate::maps::Drawn;
 use crate::vector::{Vector, dot};
 
 /// Refractive index of water in visible light.
@@ -19,39 +21,57 @@ const LEAST_SHARE: f64 = 1e-3;
 pub(super) const RIM: f64 = 0.995;
 
 /// Least radius of a drop, px.
-const LEAST_PX: f64 = 0.12;
+pub(super) const LEAST_PX: f64 = 0.12;
 
-/// All drops that reach into the frame, blurred by a pupil that reaches so many of its radii from its middle.
-pub(crate) fn drops<'a>(
-    from: &'a LightFrom<'a>,
-    caps: &[Cap],
-    pupil_reach: f64,
-) -> Vec<DrawnDrop<'a>> {
-    let view = from.sheet.view();
-    let mut glimpses: Vec<(u64, Glimpses<'_>)> = Vec::new();
-    let mut drawn = Vec::new();
-    for cap in caps {
-        // Of a smaller one nothing is seen.
-        let is_seen = (view.jacobian(cap.at_mm))
-            .is_some_and(|[[px_per_mm, _], _]| px_per_mm * cap.radius_mm >= LEAST_PX);
-        let drop = is_seen.then(|| Drop::of(*cap, from)).flatten();
-        let Some(mut drop) = drop.and_then(|drop| DrawnDrop::of(drop, pupil_reach)) else {
-            continue;
-        };
-        if drop.is_small() {
-            let contact = cap.contact_rad.to_bits();
-            let known = match glimpses.iter().position(|(of, _)| *of == contact) {
-                Some(known) => known,
-                None => {
-                    glimpses.push((contact, Glimpses::of(drop.drop.water)));
-                    glimpses.len() - 1
-                }
+/// Drops as they are drawn: those of which parts are seen, and all others.
+#[derive(Default)]
+pub(crate) struct Drops<'a> {
+    traced: Vec<DrawnDrop<'a>>,
+    small: Vec<SmallDrop>,
+}
+
+impl<'a> Drops<'a> {
+    /// All that reach into the frame, blurred by a pupil that reaches so many of its radii from its middle; those that are
+    /// farther from the frame than `reach_px` do not.
+    pub(crate) fn of(
+        from: &'a LightFrom<'a>,
+        caps: &[Cap],
+        (reach_px, pupil_reach): (f64, f64),
+    ) -> Self {
+        let mut glimpses: Vec<(u64, Glimpses<'_>)> = Vec::new();
+        let mut drops = Self::default();
+        for cap in caps {
+            let Some(seen) = Seen::of(cap, from.sheet, reach_px) else {
+                continue;
             };
-            drop.show(&glimpses[known].1);
+            let small = SmallDrop::of(&seen, |at_px, is_soft| {
+                let contact = cap.contact_rad.to_bits();
+                let known = glimpses.iter().position(|(of, _)| *of == contact);
+                let known = known.unwrap_or_else(|| {
+                    let water = Water::of(cap.contact_rad, from);
+                    glimpses.push((contact, Glimpses::of(water)));
+                    glimpses.len() - 1
+                });
+                glimpses[known].1.at(at_px, is_soft)
+            });
+            match small {
+                Some(small) => drops.small.push(small),
+                None => {
+                    let drop = Drop::of(*cap, from);
+                    let drop = drop.and_then(|drop| DrawnDrop::of(drop, &seen, pupil_reach));
+                    drops.traced.extend(drop);
+                }
+            }
         }
-        drawn.push(drop);
+        drops
     }
-    drawn
+
+    pub(crate) fn all(&self) -> Vec<&dyn Drawn<LANES>> {
+        let traced = self.traced.iter().map(|drop| drop as _);
+        traced
+            .chain(self.small.iter().map(|drop| drop as _))
+            .collect()
+    }
 }
 
 /// A drop before a camera.
@@ -92,13 +112,9 @@ impl<'a> Drop<'a> {
         };
         let enters_mm = enters(0.0, 0.0)?;
         let by = |other: [f64; 2]| [0, 1].map(|k| (other[k] - enters_mm[k]) / cap.radius_mm);
-        let (sin, cos) = libm::sincos(cap.contact_rad);
         Some(Self {
             cap,
-            water: Water {
-                from,
-                sphere: [sin, cos],
-            },
+            water: Water::of(cap.contact_rad, from),
             enters_mm,
             moves: [
                 by(enters(cap.radius_mm, 0.0)?),
@@ -122,7 +138,13 @@ impl<'a> Drop<'a> {
     }
 }
 
-impl Water<'_> {
+impl<'a> Water<'a> {
+    fn of(contact_rad: f64, from: &'a LightFrom<'a>) -> Self {
+        let (sin, cos) = libm::sincos(contact_rad);
+        let sphere = [sin, cos];
+        Self { from, sphere }
+    }
+
     /// What is seen through an uneven drop at what is a place of a round one, as a share of what bare glass would show there;
     /// the shares sum to 1.
     pub(super) fn seen_in(&self, RoundPlace { level, slope }: RoundPlace, sight: &Sight) -> Sent {

@@ -20,13 +20,14 @@ mod relief;
 mod roughness;
 mod runs;
 mod sheet;
+mod small_drop;
 mod strip;
 mod walk;
 mod walls;
 mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};
-pub(crate) use drops::drops;
+pub(crate) use drops::Drops;
 pub(crate) use hit::hit_facets;
 pub(crate) use lobe::{
     CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,

@@ -1,6 +1,6 @@
-//! Bags with every choice that the conformance suite of MCAP makes, written byte by byte: six contents, each with and
-//! without chunks, indexes, repeated schemas and channels, statistics, offsets, and bytes behind the fields that a
-//! later version may add.
+//! The files of the conformance suite of MCAP (`tests/conformance/data` of its repository), written byte by byte: six
+//! contents, each with and without chunks, indexes, repeated schemas and channels, statistics, offsets, and bytes behind
+//! the fields that a later version may add. That they are those files a test proves by their SHA-256.
 
 /// A choice of the suite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,10 +93,12 @@ pub(crate) fn subsets(choices: &[Choice]) -> Vec<Vec<Choice>> {
             .filter(|(k, _)| bits >> k & 1 == 1);
         chosen.map(|(_, choice)| *choice).collect::<Vec<_>>()
     });
-    // Indexes of chunks and of messages in them need chunks.
+    let of_summary = |choice: &Choice| !matches!(choice, Chunks | MessageIndexes | Offsets | Extra);
     all.filter(|chosen| {
-        chosen.contains(&Chunks)
-            || !(chosen.contains(&MessageIndexes) || chosen.contains(&ChunkIndexes))
+        let has = |choice: Choice| chosen.contains(&choice);
+        // Indexes of chunks and of messages in them need chunks, and offsets a summary.
+        (has(Chunks) || !(has(MessageIndexes) || has(ChunkIndexes)))
+            && (!has(Offsets) || chosen.iter().any(of_summary))
     })
     .collect()
 }
@@ -131,8 +133,10 @@ impl Fields {
         self.sized(text.as_bytes())
     }
 
-    fn map(self, key: &str, value: &str) -> Self {
-        self.sized(&Self::default().text(key).text(value).0)
+    fn map(self, pairs: &[[&str; 2]]) -> Self {
+        let fields = Self::default();
+        let fields = (pairs.iter()).fold(fields, |it, [key, value]| it.text(key).text(value));
+        self.sized(&fields.0)
     }
 }
 
@@ -144,9 +148,9 @@ struct Records {
 
 impl Records {
     fn add(&mut self, opcode: u8, fields: Fields) -> (u64, u64) {
-        // What a message and a private record have behind their fields is data.
+        // Messages and chunks end with their data; the end of the data and the footer have a fixed length.
         let extra: &[u8] = match (self.has_extra, opcode) {
-            (true, 0x01..=0x04 | 0x06..=0x0f) if opcode != 0x02 => &[1, 2, 3],
+            (true, opcode) if ![0x02, 0x05, 0x06, 0x0f].contains(&opcode) => &[0x01, 0xff, 0xff],
             _ => &[],
         };
         let at = self.bytes.len() as u64;
@@ -168,8 +172,24 @@ fn schema() -> Fields {
 }
 
 fn channel(has_schema: bool) -> Fields {
-    let fields = Fields::default().u16(1).u16(u16::from(has_schema));
-    fields.text("example").text("a").map("foo", "bar")
+    let fields = Fields::default()
+        .u16(1)
+        .u16(u16::from(has_schema))
+        .text("example");
+    match has_schema {
+        true => fields.text("a").map(&[["foo", "bar"]]),
+        false => fields.text("text").map(&[]),
+    }
+}
+
+/// When each message was logged and published, and its sequence.
+fn messages(n_messages: u32) -> Vec<(u64, u64, u32)> {
+    match n_messages {
+        1 => vec![(2, 1, 10)],
+        n => ([0, 2, 1, 3, 3, 5, 4, 7, 8, 9].into_iter().zip(0..n))
+            .map(|(time, sequence)| (time, time, sequence))
+            .collect(),
+    }
 }
 
 /// A bag with one content and these choices.
@@ -183,32 +203,31 @@ pub(crate) fn bag(
         bytes: mcap::MAGIC.to_vec(),
         has_extra: has(Extra),
     };
-    file.add(0x01, Fields::default().text("").text("suite"));
+    file.add(0x01, Fields::default().text("").text(""));
+    let messages = messages(n_messages);
+    let logged = messages.iter().map(|(logged, ..)| *logged);
+    let [first, last] = [logged.clone().min(), logged.max()].map(Option::unwrap_or_default);
     let mut chunk_index = None;
     if n_messages > 0 {
         let mut inner = Records {
             bytes: Vec::new(),
-            has_extra: has(Extra),
+            // Records in a chunk have none.
+            has_extra: has(Extra) && !has(Chunks),
         };
         if has_schema {
             inner.add(0x03, schema());
         }
         inner.add(0x04, channel(has_schema));
         let mut places = Fields::default();
-        for k in 0..n_messages {
-            let time = u64::from(k);
-            let message = Fields::default()
-                .u16(1)
-                .u32(10 + k)
-                .u64(2 + time)
-                .u64(1 + time);
-            let (at, _) = inner.add(0x05, message.bytes(&[1, 2, 3]));
-            places = places.u64(2 + time).u64(at);
+        for (logged, published, sequence) in messages {
+            let message = Fields::default().u16(1).u32(sequence);
+            let message = message.u64(logged).u64(published).bytes(&[1, 2, 3]);
+            let (at, _) = inner.add(0x05, message);
+            places = places.u64(logged).u64(at);
         }
         if has(Chunks) {
-            let last = 1 + u64::from(n_messages);
             let n_bytes = inner.bytes.len() as u64;
-            let head = Fields::default().u64(2).u64(last).u64(n_bytes);
+            let head = Fields::default().u64(first).u64(last).u64(n_bytes);
             let head = head
                 .u32(crc32fast::hash(&inner.bytes))
                 .text("")
@@ -222,7 +241,7 @@ pub(crate) fn bag(
                 offsets = offsets.u16(1).u64(at);
                 index_length = length;
             }
-            let index = Fields::default().u64(2).u64(last).u64(at).u64(length);
+            let index = Fields::default().u64(first).u64(last).u64(at).u64(length);
             let index = index.sized(&offsets.0).u64(index_length).text("");
             chunk_index = Some(index.u64(n_bytes).u64(n_bytes));
         } else {
@@ -243,11 +262,13 @@ pub(crate) fn bag(
     }
     let mut metadata_index = None;
     if n_metadata > 0 {
-        let (at, length) = file.add(0x0c, Fields::default().text("myMetadata").map("foo", "bar"));
+        let metadata = Fields::default().text("myMetadata").map(&[["foo", "bar"]]);
+        let (at, length) = file.add(0x0c, metadata);
         metadata_index = Some(Fields::default().u64(at).u64(length).text("myMetadata"));
     }
-    file.add(0x0f, Fields::default().u32(0));
-    let summary_at = file.bytes.len() as u64;
+    let crc = crc32fast::hash(&file.bytes);
+    file.add(0x0f, Fields::default().u32(crc));
+    let summary_at = file.bytes.len();
     let mut groups = Vec::new();
     let counts = match n_messages {
         0 => Fields::default(),
@@ -260,12 +281,8 @@ pub(crate) fn bag(
         .u32(n_attachments)
         .u32(n_metadata)
         .u32(u32::from(chunk_index.is_some()))
-        .u64(if n_messages > 0 { 2 } else { 0 })
-        .u64(if n_messages > 0 {
-            1 + u64::from(n_messages)
-        } else {
-            0
-        })
+        .u64(first)
+        .u64(last)
         .sized(&counts.0);
     for (choice, opcode, fields) in [
         (Schemas, 0x03, has_schema.then(schema)),
@@ -275,9 +292,9 @@ pub(crate) fn bag(
             (n_messages > 0).then(|| channel(has_schema)),
         ),
         (Statistics, 0x0b, Some(statistics)),
-        (ChunkIndexes, 0x08, chunk_index),
-        (AttachmentIndexes, 0x0a, attachment_index),
         (MetadataIndexes, 0x0d, metadata_index),
+        (AttachmentIndexes, 0x0a, attachment_index),
+        (ChunkIndexes, 0x08, chunk_index),
     ] {
         if let Some(fields) = fields.filter(|_| has(choice)) {
             groups.push((opcode, file.add(opcode, fields)));
@@ -290,16 +307,18 @@ pub(crate) fn bag(
             file.add(0x0e, offset.u64(*length));
         }
     }
-    let summary_at = if groups.is_empty() { 0 } else { summary_at };
-    let offsets_at = if has(Offsets) && !groups.is_empty() {
-        offsets_at
-    } else {
-        0
-    };
-    file.add(
-        0x02,
-        Fields::default().u64(summary_at).u64(offsets_at).u32(0),
-    );
+    let [summary, offsets] = [
+        (!groups.is_empty(), summary_at as u64),
+        (has(Offsets), offsets_at),
+    ]
+    .map(|(is_there, at)| if is_there { at } else { 0 });
+    // All of the summary and the footer before its last field.
+    file.bytes.push(0x02);
+    file.bytes.extend(20_u64.to_le_bytes());
+    file.bytes
+        .extend(Fields::default().u64(summary).u64(offsets).0);
+    let crc = crc32fast::hash(&file.bytes[summary_at..]);
+    file.bytes.extend(crc.to_le_bytes());
     file.bytes.extend(mcap::MAGIC);
     file.bytes
 }
