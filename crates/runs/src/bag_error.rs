@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use starbreak_dataset::DatasetError;
 
+use crate::bag::Damage;
+
 /// What is wrong with a bag or with what is asked of it, as one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -42,16 +44,24 @@ pub enum BagError {
     },
     /// No topic has images.
     #[error(
-        "{path:?} has no camera: none of its {n_topics} topics holds sensor_msgs/msg/Image or CompressedImage in CDR"
+        "{path:?} has no camera: none of its {n_topics} topics holds sensor_msgs/msg/Image or CompressedImage in CDR{}",
+        why_so_few(.damage.as_ref())
     )]
     NoCamera {
         /// The bag.
         path: PathBuf,
         /// How many topics it has.
         n_topics: usize,
+        /// Why it is not whole, if it is not.
+        damage: Option<Damage>,
     },
     /// A topic that is not there.
-    #[error("{path:?} has no topic {}; its cameras are {}", .topic.escape_debug(), listed(.cameras))]
+    #[error(
+        "{path:?} has no topic {}; its cameras are {}{}",
+        .topic.escape_debug(),
+        listed(.cameras),
+        why_so_few(.damage.as_ref())
+    )]
     NoTopic {
         /// The bag.
         path: PathBuf,
@@ -59,6 +69,8 @@ pub enum BagError {
         topic: String,
         /// Topics with images, in alphabetical order.
         cameras: Vec<String>,
+        /// Why the bag is not whole, if it is not.
+        damage: Option<Damage>,
     },
     /// A topic that is named twice.
     #[error("topic {} is named twice; a camera has one recipe", .topic.escape_debug())]
@@ -68,7 +80,7 @@ pub enum BagError {
     },
     /// A topic whose messages are no images that can be damaged one by one.
     #[error(
-        "topic {} is {}: {reason}; leave this topic out by naming the others with --topic",
+        "topic {} is {}: {reason}; name only topics that are damaged with --topic",
         .topic.escape_debug(), .what.escape_debug()
     )]
     NotDamageable {
@@ -81,7 +93,7 @@ pub enum BagError {
     },
     /// A message of a camera that cannot be read.
     #[error(
-        "topic {}, message {idx}: {fault}; leave this topic out by naming the others with --topic", .topic.escape_debug()
+        "topic {}, message {idx}: {fault}; without this topic, the others may be named with --topic", .topic.escape_debug()
     )]
     Message {
         /// The topic.
@@ -130,7 +142,7 @@ pub enum BagError {
     },
     /// A hit at a stamp of another clock than that of the images, which would come before all of them.
     #[error(
-        "--impact-at @{stamp_s}: the images are stamped by a wall clock, the first at {first_s} s; give a stamp of that \
+        "--impact-at @{stamp_s}: the images are stamped by a wall clock, the first at {first_s:.3} s; give a stamp of that \
          clock, or seconds after the first image without @"
     )]
     StampClock {
@@ -298,6 +310,13 @@ impl From<DatasetError> for MessageFault {
     fn from(error: DatasetError) -> Self {
         Self::Image(Box::new(error))
     }
+}
+
+/// That a bag is not whole, where it is not: what is missing may stand in what cannot be read.
+fn why_so_few(damage: Option<&Damage>) -> String {
+    damage.map_or_else(String::new, |damage| {
+        format!(", and the file is not whole: {damage}")
+    })
 }
 
 /// Names in a list, or that there are none.

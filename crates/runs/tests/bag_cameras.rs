@@ -283,7 +283,7 @@ fn before_the_hit_nothing_is_altered_and_then_the_cracks_grow() {
     let other = folder.refusal(request(ImpactAt::Stamp(250_000_000)));
     assert!(
         other.contains(
-            "--impact-at @0.25: the images are stamped by a wall clock, the first at 1700000000 s"
+            "--impact-at @0.25: the images are stamped by a wall clock, the first at 1700000000.000 s"
         ),
         "{other}"
     );

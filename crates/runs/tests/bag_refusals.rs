@@ -61,29 +61,73 @@ fn a_bag_that_is_cut_is_read_to_its_last_whole_chunk() {
     }
 }
 
+/// Where the chunks of a bag begin.
+fn chunks(bag: &[u8]) -> Vec<usize> {
+    let chunks = places(bag).into_iter();
+    chunks
+        .filter_map(|(kind, at)| (kind == 0x06).then_some(at))
+        .collect()
+}
+
 #[test]
-fn a_chunk_that_is_broken_ends_the_bag_before_it() {
+fn chunks_that_are_broken_are_left_out_alone() {
     let options = WriteOptions::new().compression(None).chunk_size(Some(4000));
     let bag = drive(options, 4);
     let whole = Content::of(&bag).records;
-    // A byte of a picture in the middle.
+    let chunks = chunks(&bag);
+    assert!(chunks.len() > 5, "{chunks:?}");
+    for lost in [&[2_usize][..], &[0], &[0, 1, 4], &[chunks.len() - 1]] {
+        let mut broken = bag.clone();
+        for k in lost {
+            // The last byte of a chunk is one of a picture.
+            broken[chunks.get(k + 1).map_or(chunks[*k] + 1000, |next| next - 1) - 500] ^= 1;
+        }
+        let folder = Folder::with(&broken);
+        let report = folder.run(folder.request(nothing()), 1).unwrap();
+        let damage = report.damage.unwrap();
+        assert!(damage.reason.contains("checksum"), "{damage:?}");
+        let found = (damage.at_byte, damage.n_lost_chunks, damage.ends_at_byte);
+        let first = chunks[lost[0]] as u64;
+        assert_eq!(found, (first, lost.len() as u64, None), "{damage}");
+        let records = folder.output().without_provenance().records;
+        let mut others = whole.clone();
+        others.retain(|it| records.contains(it));
+        assert_eq!(
+            records, others,
+            "{lost:?}: those that are left, in their order"
+        );
+        assert!(
+            records.len() + 3 * lost.len() >= whole.len(),
+            "{lost:?}: the others"
+        );
+    }
+}
+
+/// The channels of a bag may stand in its first chunk alone. Its summary has them, too; without that what they describe is
+/// lost with them.
+#[test]
+fn messages_whose_channel_is_lost_need_the_summary() {
+    let bag = drive(
+        WriteOptions::new().chunk_size(Some(4000)).compression(None),
+        4,
+    );
+    let chunks = chunks(&bag);
     let mut broken = bag.clone();
-    let at = bag.len() / 2;
-    broken[at] ^= 1;
-    let folder = Folder::with(&broken);
-    let report = folder.run(folder.request(nothing()), 1).unwrap();
+    broken[chunks[1] - 600] ^= 1;
+    let without_summary = &broken[..bag.len() - 40];
+    let folder = Folder::with(without_summary);
+    let request = BagRequest {
+        all: None,
+        ..folder.request(nothing())
+    };
+    let report = folder.run(request, 1).unwrap();
     let damage = report.damage.unwrap();
     assert!(
-        damage.reason.contains("checksum") && damage.at_byte < at as u64,
+        damage.n_lost_chunks >= 1 && damage.ends_at_byte.is_some(),
         "{damage:?}"
     );
-    let records = folder.output().without_provenance().records;
-    assert!(
-        !records.is_empty() && records.len() < whole.len(),
-        "{}",
-        records.len()
-    );
-    assert_eq!(records, whole[..records.len()], "those before");
+    // A valid bag in any case.
+    folder.output();
 }
 
 #[test]
@@ -110,16 +154,14 @@ fn a_length_that_is_broken_ends_the_bag_before_it() {
 }
 
 #[test]
-fn a_name_of_a_compression_that_is_broken_ends_the_bag_before_it() {
+fn a_name_of_a_compression_that_is_broken_costs_its_chunk() {
     let options = || {
         let options = WriteOptions::new().chunk_size(Some(4000));
         options.compression(Some(mcap::Compression::Lz4))
     };
     let bag = drive(options(), 4);
     let whole = Content::of(&bag).records;
-    let chunks: Vec<usize> = (places(&bag).into_iter())
-        .filter_map(|(kind, at)| (kind == 0x06).then_some(at))
-        .collect();
+    let chunks = chunks(&bag);
     let broken = |at: usize| {
         let mut broken = bag.clone();
         let name = at + 9 + 28 + 4;
@@ -131,13 +173,16 @@ fn a_name_of_a_compression_that_is_broken_ends_the_bag_before_it() {
     let report = folder.run(folder.request(nothing()), 1).unwrap();
     let damage = report.damage.unwrap();
     assert_eq!(damage.at_byte, chunks[2] as u64, "{damage:?}");
+    assert_eq!(damage.n_lost_chunks, 1, "{damage:?}");
     assert!(
         damage.reason.contains("compressed by \"mz4\""),
         "{damage:?}"
     );
     let records = folder.output().without_provenance().records;
-    assert!(!records.is_empty(), "none");
-    assert_eq!(records, whole[..records.len()], "those before");
+    let mut others = whole.clone();
+    others.retain(|it| records.contains(it));
+    assert_eq!(records, others, "those that are left");
+    assert!(records.len() + 4 > whole.len(), "all others");
     // Nothing of a bag whose chunks are all compressed otherwise is read.
     let folder = broken(chunks[0]);
     let refusal = folder.refusal(folder.request(nothing()));
@@ -193,7 +238,7 @@ fn topics_that_are_not_damaged_are_named() {
     ] {
         let message = folder.refusal(request);
         let expected = "topic /cam is foxglove_msgs/msg/CompressedVideo in cdr: frames of a video depend on each \
-                        other; decode it to images first; leave this topic out by naming the others with --topic";
+                        other; decode it to images first; name only topics that are damaged with --topic";
         assert_eq!(message, expected, "a video");
     }
     for schema in [

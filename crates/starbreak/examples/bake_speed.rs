@@ -9,6 +9,10 @@ use starbreak::{PaneLayer, Recipe, Seed, simulate};
 
 const BREAKS: u64 = 13;
 
+/// That of the command.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!("{:24} {:>12} {:>12}", "", "1242 x 375", "1920 x 1080");
     for preset in std::env::args().skip(1) {

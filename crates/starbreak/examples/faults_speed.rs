@@ -12,6 +12,10 @@ use starbreak_dataset::street_scene;
 
 const N: u64 = 15;
 
+/// That of the command.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "{:14} {:>18} {:>18}",

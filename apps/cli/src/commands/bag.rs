@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::Recipe;
-use starbreak_runs::bag::{Added, Bag, BagReport, BagRequest, CameraReport, CameraRequest};
+use starbreak_runs::bag::{Added, Bag, BagReport, BagRequest, CameraReport, CameraRequest, Damage};
 use starbreak_runs::{RunContext, with_threads};
 
 use crate::args::Global;
@@ -43,8 +43,8 @@ pub(crate) fn run(global: &Global, args: &BagArgs, screen: &Screen) -> Result<u8
         None => Ok(DONE),
         Some(damage) => Err(Failure {
             message: format!(
-                "{:?} is not whole: {} (byte {}); what stands before it was written",
-                args.input, damage.reason, damage.at_byte
+                "{:?} is not whole: {damage}; all that was read is written",
+                args.input
             ),
             code: SOME_FAILED,
         }),
@@ -56,7 +56,7 @@ fn request_of(global: &Global, args: &BagArgs) -> Result<BagRequest, Failure> {
     let context = |recipe: &Recipe| RunContext::new(recipe, global.seed(), &args.output);
     let cameras = args.topic.iter().map(|camera| {
         let recipe = match &camera.recipe {
-            Some(word) if Recipe::preset(word).is_ok() => global.preset_called(word)?,
+            Some(word) if is_preset(word) => global.preset_called(word)?,
             Some(file) => global.recipe_in(Path::new(file), &args.output)?,
             None => global.recipe()?,
         };
@@ -66,6 +66,7 @@ fn request_of(global: &Global, args: &BagArgs) -> Result<BagRequest, Failure> {
         })
     });
     let cameras = cameras.collect::<Result<Vec<_>, Failure>>()?;
+    refuse_names(args)?;
     let all = match cameras.as_slice() {
         [] => Some(context(&global.recipe()?)?),
         _ => None,
@@ -83,6 +84,33 @@ fn request_of(global: &Global, args: &BagArgs) -> Result<BagRequest, Failure> {
         added: masks.into_iter().flatten().chain(control).collect(),
         replaces: global.replace,
     })
+}
+
+/// Names that would be taken for what they are not: folders as rosbag2 writes them, standard output, bags of another kind.
+fn refuse_names(args: &BagArgs) -> Result<(), Failure> {
+    let BagArgs { input, output, .. } = args;
+    if input.is_dir() {
+        return Err(Failure::wrong_input(format!(
+            "{input:?} is a folder; give the .mcap in it"
+        )));
+    }
+    if !output
+        .extension()
+        .is_some_and(|it| it.eq_ignore_ascii_case("mcap"))
+    {
+        return Err(Failure::wrong_input(format!(
+            "the output {output:?} would be MCAP; give it a name that ends in .mcap"
+        )));
+    }
+    Ok(())
+}
+
+/// Whether a word is a preset, or a name like one where no file is: it is then told which presets there are.
+fn is_preset(word: &str) -> bool {
+    let is_name = word
+        .chars()
+        .all(|it| it.is_ascii_alphanumeric() || it == '-');
+    Recipe::preset(word).is_ok() || is_name && !Path::new(word).exists()
 }
 
 fn describe(camera: &CameraReport) -> String {
@@ -133,7 +161,7 @@ fn result_json(args: &BagArgs, report: &BagReport, elapsed_s: f64) -> Value {
         "output": path_text(&args.output),
         "n_messages": report.n_messages,
         "cameras": cameras,
-        "input_damage": damage.map(|damage| json!({ "at_byte": damage.at_byte, "reason": damage.reason })),
+        "input_damage": damage.map(Damage::to_json),
         "elapsed_s": elapsed_s,
     })
 }

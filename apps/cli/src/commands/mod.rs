@@ -35,6 +35,7 @@ mod timeline_sides;
 mod timeline_tracks;
 mod verify;
 mod video;
+mod waiting_frames;
 
 use crate::args::overlay::is_bank as is_overlay_bank;
 use crate::args::patterns::PatternsArgs;

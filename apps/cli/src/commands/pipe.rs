@@ -1,8 +1,7 @@
 //! `starbreak pipe`: raw frames from standard input to the same behind broken glass on standard output.
 
-use std::io::{ErrorKind, IsTerminal as _, Read, Write as _};
+use std::io::{ErrorKind, IsTerminal as _, Write as _};
 use std::path::Path;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -15,6 +14,7 @@ use starbreak_runs::{Patterns, RunContext};
 use super::latencies::Latencies;
 use super::simulate::{radius_hint, why_no_damage};
 use super::video::damage_of;
+use super::waiting_frames::{Frame, InputEnd, Next, WaitingFrames};
 use crate::args::Global;
 use crate::args::pipe::{LateWord, PipeArgs};
 use crate::failure::{DONE, Failure};
@@ -23,12 +23,6 @@ use crate::screen::Screen;
 
 /// How often a run that waits for a frame looks whether it is to stop.
 const LOOK_AROUND: Duration = Duration::from_millis(100);
-
-/// Frames that wait at most; of two the older may be left out.
-const MOST_WAITING: usize = 2;
-
-/// Frames in memory: one is read, some wait, one is damaged and written.
-const N_BUFFERS: usize = MOST_WAITING + 2;
 
 pub(crate) fn run(global: &Global, args: &PipeArgs, screen: &Screen) -> Result<u8, Failure> {
     refuse_terminals(screen)?;
@@ -50,10 +44,12 @@ pub(crate) fn run(global: &Global, args: &PipeArgs, screen: &Screen) -> Result<u
     if let Some(why) = why_no_damage(clip.chain()) {
         screen.note(&format!("note: {why}"));
     }
-    let frames = Frames::read_from(std::io::stdin(), n_bytes);
+    let period = Duration::from_secs_f64(1.0 / rate.value());
+    let late_after = (args.late == LateWord::Drop).then_some(period);
+    let frames = WaitingFrames::read_from(std::io::stdin(), n_bytes, late_after);
     let mut stream = Stream {
         args,
-        period: Duration::from_secs_f64(1.0 / rate.value()),
+        period,
         clip: &clip,
         live: clip.frames()?,
         told: Told::default(),
@@ -140,66 +136,6 @@ fn request_of(args: &PipeArgs, rate: Fraction) -> LiveRequest {
     }
 }
 
-/// What the reading thread sends.
-enum Message {
-    /// A frame, and when it was whole.
-    Frame(Vec<u8>, Instant),
-    /// The input ended after some bytes of a frame; 0 between two.
-    Ended { n_came: usize },
-    /// The system refused.
-    Failed(std::io::Error),
-}
-
-/// Frames as a thread of its own reads them, and buffers on their way back to it.
-struct Frames {
-    from_reader: Receiver<Message>,
-    to_reader: SyncSender<Vec<u8>>,
-}
-
-impl Frames {
-    /// Reads frames of so many bytes. The thread ends with the input, or with the process.
-    fn read_from(mut input: impl Read + Send + 'static, n_bytes: usize) -> Self {
-        let (to_stream, from_reader) = sync_channel(MOST_WAITING);
-        let (to_reader, buffers) = sync_channel::<Vec<u8>>(N_BUFFERS);
-        std::thread::spawn(move || {
-            for n_made in 0.. {
-                let buffer = match n_made < N_BUFFERS {
-                    true => Some(vec![0; n_bytes]),
-                    false => buffers.recv().ok(),
-                };
-                let Some(buffer) = buffer else { return };
-                let read = read_one(&mut input, buffer);
-                let is_last = !matches!(read, Message::Frame(..));
-                if to_stream.send(read).is_err() || is_last {
-                    return;
-                }
-            }
-        });
-        Self {
-            from_reader,
-            to_reader,
-        }
-    }
-
-    fn give_back(&self, buffer: Vec<u8>) {
-        // A reader that has ended needs none.
-        let _ = self.to_reader.try_send(buffer);
-    }
-}
-
-fn read_one(input: &mut impl Read, mut buffer: Vec<u8>) -> Message {
-    let mut n_came = 0;
-    while n_came < buffer.len() {
-        match input.read(&mut buffer[n_came..]) {
-            Ok(0) => return Message::Ended { n_came },
-            Ok(n) => n_came += n,
-            Err(cause) if cause.kind() == ErrorKind::Interrupted => {}
-            Err(cause) => return Message::Failed(cause),
-        }
-    }
-    Message::Frame(buffer, Instant::now())
-}
-
 /// How a run ends.
 enum End {
     Finished,
@@ -219,36 +155,26 @@ struct Stream<'a> {
 }
 
 impl Stream<'_> {
-    fn run(&mut self, frames: &Frames, interrupt: &Interrupt) -> Result<End, Failure> {
+    fn run(&mut self, frames: &WaitingFrames, interrupt: &Interrupt) -> Result<End, Failure> {
         let mut stdout = std::io::stdout().lock();
-        let mut next = None;
         loop {
             if interrupt.is_set() {
                 return Ok(End::Interrupted);
             }
-            let message = match next.take() {
-                Some(message) => Ok(message),
-                None => frames.from_reader.recv_timeout(LOOK_AROUND),
+            let Frame {
+                idx: frame_idx,
+                mut bytes,
+                whole_at,
+            } = match frames.next(LOOK_AROUND) {
+                Next::Frame(frame) => frame,
+                Next::Nothing => continue,
+                Next::End(InputEnd::Ended { n_came: 0 }) => return Ok(End::Finished),
+                Next::End(InputEnd::Ended { n_came }) => return Ok(End::Truncated { n_came }),
+                Next::End(InputEnd::Failed(cause)) => return Ok(End::Unread(cause)),
             };
-            let (mut bytes, since) = match message {
-                Ok(Message::Frame(bytes, since)) => (bytes, since),
-                Ok(Message::Ended { n_came: 0 }) => return Ok(End::Finished),
-                Ok(Message::Ended { n_came }) => return Ok(End::Truncated { n_came }),
-                Ok(Message::Failed(cause)) => return Ok(End::Unread(cause)),
-                Err(RecvTimeoutError::Timeout) => continue,
-                Err(RecvTimeoutError::Disconnected) => return Ok(End::Finished),
-            };
-            let frame_idx = self.told.n_read;
-            self.told.n_read += 1;
-            if self.args.late == LateWord::Drop && since.elapsed() > self.period {
-                next = frames.from_reader.try_recv().ok();
-                // The newest is shown, however late it is.
-                if let Some(Message::Frame(..)) = next {
-                    self.told.n_dropped += 1;
-                    frames.give_back(bytes);
-                    continue;
-                }
-            }
+            // All that came between the last one and this were left out.
+            self.told.n_dropped += frame_idx - self.told.n_read;
+            self.told.n_read = frame_idx + 1;
             self.damage(&mut bytes, frame_idx)?;
             let written = stdout.write_all(&bytes).and_then(|()| stdout.flush());
             match written {
@@ -260,7 +186,7 @@ impl Stream<'_> {
                     )));
                 }
             }
-            let latency = since.elapsed();
+            let latency = whole_at.elapsed();
             self.told.n_written += 1;
             self.told.n_late += u64::from(latency > self.period);
             self.told.latencies.add(latency);

@@ -208,6 +208,19 @@ fn what_makes_no_sense_is_refused_and_nothing_is_written() {
                 "has no topic /no; its cameras are /cam/front, /cam/rear",
             ),
             (bag(&["--topic", "/cam/rear=none.toml"]), "none.toml"),
+            (bag(&["--topic", "/cam/rear=nose"]), "did you mean `noise`?"),
+            (
+                vec!["bag", "in.mcap", "-o", "-"],
+                "a name that ends in .mcap",
+            ),
+            (
+                vec!["bag", "in.mcap", "-o", "out.bag"],
+                "a name that ends in .mcap",
+            ),
+            (
+                vec!["bag", ".", "-o", "out.mcap"],
+                "\".\" is a folder; give the .mcap in it",
+            ),
             (
                 bag(&["--topic", "/cam/rear=r.toml", "--severity", "2"]),
                 "--severity scales a preset",

@@ -6,6 +6,8 @@
 
 mod camera;
 mod cdr;
+mod chunk;
+mod damage;
 mod message;
 mod promise;
 mod provenance;
@@ -26,9 +28,9 @@ use starbreak_dataset::{DatasetError, OutputBatch, open_file, refuse_inside_set,
 
 pub use crate::bag_error::{BagError, MessageFault};
 pub use camera::CameraReport;
+pub use damage::Damage;
 pub use message::{CameraKind, CameraMessage};
 pub use provenance::BAG_SCHEMA;
-pub use records::Damage;
 
 use crate::clip::{ClipError, Growth, Light};
 use crate::{Error, RunContext};
@@ -171,6 +173,7 @@ impl Bag {
             return Err(BagError::NoCamera {
                 path: input.clone(),
                 n_topics: survey.all_topics().len(),
+                damage: survey.damage.clone(),
             }
             .into());
         }
@@ -209,7 +212,8 @@ impl Bag {
         let to = batch.open(output)?;
         let writer = BagWriter::new(to, self)?;
         let file = BufReader::with_capacity(READ_BYTES, open_file(input)?);
-        let records = Records::open(file).map_err(|fault| unreadable(input, fault))?;
+        let promise = self.survey.promise.as_ref();
+        let records = Records::open(file, promise).map_err(|fault| unreadable(input, fault))?;
         let Some(finished) = run(self, records, writer, stop, &done)? else {
             return Ok(None);
         };
@@ -350,6 +354,7 @@ fn not_a_camera(path: &Path, survey: &Survey, topic: &str) -> BagError {
                 .filter(|(_, content)| matches!(content, Content::Camera(_)))
                 .map(|(topic, _)| (*topic).to_owned())
                 .collect(),
+            damage: survey.damage.clone(),
         },
     }
 }

@@ -6,7 +6,7 @@ use std::io::{Read, Seek, SeekFrom};
 use mcap::records::{Channel, Record, SchemaHeader, op};
 
 use super::record::{parsed, split};
-use super::records::Unreadable;
+use super::records::{Event, Unreadable};
 use super::topics::{Content, Topics};
 
 /// The footer: what it is, its length, two places and a checksum.
@@ -25,6 +25,16 @@ pub(super) struct Promise {
 }
 
 impl Promise {
+    /// Its schemas and channels as they stand in a file.
+    pub(super) fn events(&self) -> Vec<Event> {
+        let schemas = self.schemas.iter().map(|(header, data)| Event::Schema {
+            header: header.clone(),
+            data: data.clone(),
+        });
+        let channels = self.channels.iter().cloned().map(Event::Channel);
+        schemas.chain(channels).collect()
+    }
+
     /// Messages of each of the topics that `is_wanted` takes, by their content.
     pub(super) fn n_messages(
         &self,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mcap::records::Metadata;
 use serde_json::{Value, json};
 
-use super::records::Damage;
+use super::damage::Damage;
 use super::{Bag, CameraReport};
 use crate::clip::{Growth, Light};
 
@@ -68,9 +68,8 @@ pub(super) fn provenance(bag: &Bag, reports: &[CameraReport], damage: Option<&Da
         ]
         .map(|(key, text)| (key.to_owned(), text)),
     );
-    if let Some(Damage { at_byte, reason }) = damage {
-        let damage = json!({ "at_byte": at_byte, "reason": reason });
-        texts.insert("input_damage".to_owned(), damage.to_string());
+    if let Some(damage) = damage {
+        texts.insert("input_damage".to_owned(), damage.to_json().to_string());
     }
     Metadata {
         name: "starbreak".to_owned(),

@@ -3,21 +3,18 @@
 //! [MCAP](https://mcap.dev/spec): magic bytes, then records of one byte (what), eight (how long) and content. Messages
 //! lie in the file itself, or in chunks, which may be compressed. Only one record and one chunk are in memory.
 
-use std::borrow::Cow;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io::{self, Read, Seek, SeekFrom};
 
-use mcap::records::{
-    AttachmentHeader, Channel, ChunkHeader, MessageHeader, Metadata, Record, SchemaHeader, op,
-};
+use mcap::records::{AttachmentHeader, Channel, MessageHeader, Metadata, Record, SchemaHeader, op};
 
+use super::chunk::chunk;
+use super::damage::Damage;
+use super::promise::Promise;
 use super::record::{HEAD, parsed, split};
 
 /// Longest record and longest chunk when it is unpacked, bytes: far above what recorders write (1 to 4 MB).
 pub(super) const MAX_RECORD_BYTES: u64 = 1 << 30;
-
-/// Memory for a chunk before it is unpacked, bytes; recorders write 1 to 4 MB.
-const USUAL_BYTES: usize = 8 << 20;
 
 /// What stands in a bag.
 #[derive(Debug)]
@@ -87,15 +84,6 @@ pub(super) enum Squeezing {
     Zstd,
 }
 
-/// Where and why a bag is not whole.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Damage {
-    /// The byte from which on nothing was read.
-    pub at_byte: u64,
-    /// What is wrong there.
-    pub reason: String,
-}
-
 /// Why the records of a file cannot be read at all.
 #[derive(Debug)]
 pub(super) enum Unreadable {
@@ -113,6 +101,9 @@ impl From<io::Error> for Unreadable {
     }
 }
 
+/// What is wrong with messages whose channel was lost.
+const STRANGE: &str = "messages are of a channel that nothing describes any more";
+
 /// A walk over the records of a file.
 pub(super) struct Records<R> {
     from: R,
@@ -125,13 +116,16 @@ pub(super) struct Records<R> {
     packing: Option<Packing>,
     damage: Option<Damage>,
     is_at_end: bool,
+    /// What the summary says of channels, for messages whose own was in a chunk that is lost, and channels that were read.
+    promised: Vec<Event>,
+    channels: BTreeSet<u16>,
     /// Whether anything behind the header was read.
     has_records: bool,
 }
 
 impl<R: Read + Seek> Records<R> {
-    /// At the first record behind the header.
-    pub(super) fn open(mut from: R) -> Result<Self, Unreadable> {
+    /// At the first record behind the header, of a file whose summary promises this.
+    pub(super) fn open(mut from: R, promise: Option<&Promise>) -> Result<Self, Unreadable> {
         let n_bytes = from.seek(SeekFrom::End(0))?;
         from.seek(SeekFrom::Start(0))?;
         let mut magic = [0; mcap::MAGIC.len()];
@@ -150,6 +144,8 @@ impl<R: Read + Seek> Records<R> {
             packing: None,
             damage: None,
             is_at_end: false,
+            promised: promise.map(Promise::events).unwrap_or_default(),
+            channels: BTreeSet::new(),
             has_records: false,
         };
         if let Some(opcode) = records.next_record()? {
@@ -187,7 +183,7 @@ impl<R: Read + Seek> Records<R> {
             }
             let begin = self.at;
             let Some(opcode) = self.next_record()? else {
-                if self.damage.is_none() {
+                if !self.is_at_end {
                     self.end_at(begin, "the file ends without the end of its data");
                 }
                 return Ok(None);
@@ -204,8 +200,12 @@ impl<R: Read + Seek> Records<R> {
                 _ => {
                     let event = event(opcode, &self.record, false);
                     match event {
+                        Ok(Some(event)) if self.is_strange(&event) => {
+                            self.end_at(begin, STRANGE);
+                        }
                         Ok(Some(event)) => {
                             self.has_records = true;
+                            self.know(&event);
                             if matches!(event, Event::Message { .. }) && self.packing.is_none() {
                                 self.packing = Some(Packing::Bare);
                             }
@@ -230,13 +230,41 @@ impl<R: Read + Seek> Records<R> {
             Ok((squeezing, events)) => {
                 self.has_records = true;
                 self.packing.get_or_insert(Packing::Chunks(squeezing));
-                // Nothing waits when a chunk is read.
-                self.queue = events.into();
+                for event in &events {
+                    self.know(event);
+                }
+                if events.iter().any(|event| self.is_strange(event)) {
+                    self.lose(begin, STRANGE);
+                    return Ok(());
+                }
+                self.queue.extend(events);
                 self.queue.push_back(Event::ChunkEnd);
             }
-            Err(reason) => self.end_at(begin, &reason),
+            Err(reason) => self.lose(begin, &reason),
         }
         Ok(())
+    }
+
+    /// Leaves a chunk out, and goes on behind it. What the summary says of channels stands for those that it may have had.
+    fn lose(&mut self, at_byte: u64, reason: &str) {
+        self.damage_at(at_byte, reason).n_lost_chunks += 1;
+        for event in std::mem::take(&mut self.promised) {
+            self.know(&event);
+            self.queue.push_back(event);
+        }
+    }
+
+    fn know(&mut self, event: &Event) {
+        if let Event::Channel(channel) = event {
+            self.channels.insert(channel.id);
+        }
+    }
+
+    /// Whether it is a message of a channel that was lost.
+    fn is_strange(&self, event: &Event) -> bool {
+        let is_known = |id: &u16| self.channels.contains(id);
+        self.damage.is_some()
+            && matches!(event, Event::Message { header, .. } if !is_known(&header.channel_id))
     }
 
     /// Behind the data only the summary may come, and the end.
@@ -256,7 +284,11 @@ impl<R: Read + Seek> Records<R> {
                 return Ok(());
             }
         }
-        if self.damage.is_none() {
+        if self
+            .damage
+            .as_ref()
+            .is_none_or(|it| it.ends_at_byte.is_none())
+        {
             self.end_at(begin, "the file ends without its footer");
         }
         Ok(())
@@ -265,10 +297,17 @@ impl<R: Read + Seek> Records<R> {
     /// Nothing from here on is read.
     fn end_at(&mut self, at_byte: u64, reason: &str) {
         self.is_at_end = true;
-        self.damage = Some(Damage {
+        self.damage_at(at_byte, reason).ends_at_byte = Some(at_byte);
+    }
+
+    /// The first damage, which is this one if there was none before.
+    fn damage_at(&mut self, at_byte: u64, reason: &str) -> &mut Damage {
+        self.damage.get_or_insert_with(|| Damage {
             at_byte,
             reason: reason.to_owned(),
-        });
+            n_lost_chunks: 0,
+            ends_at_byte: None,
+        })
     }
 
     /// Reads the next record whole; none at the end, or where less than a record is left.
@@ -313,7 +352,7 @@ impl<R: Read + Seek> Records<R> {
 }
 
 /// What a record says, if it is one of those that are kept; indexes are made anew.
-fn event(opcode: u8, record: &[u8], is_in_chunk: bool) -> Result<Option<Event>, String> {
+pub(super) fn event(opcode: u8, record: &[u8], is_in_chunk: bool) -> Result<Option<Event>, String> {
     let is_kept = matches!(
         opcode,
         op::SCHEMA | op::CHANNEL | op::MESSAGE | op::ATTACHMENT | op::METADATA
@@ -343,93 +382,6 @@ fn event(opcode: u8, record: &[u8], is_in_chunk: bool) -> Result<Option<Event>, 
         Record::Metadata(metadata) => Some(Event::Metadata(metadata)),
         _ => None,
     })
-}
-
-/// What a chunk holds and how it was compressed, or what is wrong with it: that ends the walk, an [`Unreadable`] the run.
-fn chunk(record: &[u8]) -> Result<Result<(Squeezing, Vec<Event>), String>, Unreadable> {
-    let (header, data) = match parsed(op::CHUNK, record) {
-        Ok(Record::Chunk { header, data }) => (header, data),
-        Ok(_) => return Ok(Err("a chunk is none".to_owned())),
-        Err(reason) => return Ok(Err(reason)),
-    };
-    let squeezing = squeezing(&header)?;
-    let events = unpacked(&header, squeezing, &data)
-        .and_then(|unpacked| events(&unpacked, MAX_RECORD_BYTES));
-    Ok(events.map(|events| (squeezing, events)))
-}
-
-/// The events of an unpacked chunk, as far as they take no more memory than some bytes: records may be short.
-fn events(mut records: &[u8], most_bytes: u64) -> Result<Vec<Event>, String> {
-    let (mut events, mut n_bytes) = (Vec::new(), 0);
-    while let Some((head, rest)) = records.split_first_chunk() {
-        let (opcode, length) = split(head);
-        let length = usize::try_from(length).unwrap_or(usize::MAX);
-        let Some((record, rest)) = rest.split_at_checked(length) else {
-            return Err("a chunk ends within a record".to_owned());
-        };
-        if let Some(event) = event(opcode, record, true)? {
-            n_bytes += event.n_bytes() as u64;
-            events.push(event);
-        }
-        if n_bytes > most_bytes {
-            return Err(format!(
-                "a chunk has records that take more than {most_bytes} bytes of memory"
-            ));
-        }
-        records = rest;
-    }
-    match records {
-        [] => Ok(events),
-        _ => Err("a chunk ends within a record".to_owned()),
-    }
-}
-
-fn squeezing(header: &ChunkHeader) -> Result<Squeezing, Unreadable> {
-    match header.compression.as_str() {
-        "" => Ok(Squeezing::None),
-        "lz4" => Ok(Squeezing::Lz4),
-        "zstd" => Ok(Squeezing::Zstd),
-        other => Err(Unreadable::Records(format!(
-            "its chunks are compressed by {other:?}; only lz4 and zstd are read"
-        ))),
-    }
-}
-
-/// What a chunk holds, with its checksum.
-fn unpacked<'a>(
-    header: &ChunkHeader,
-    squeezing: Squeezing,
-    data: &'a [u8],
-) -> Result<Cow<'a, [u8]>, String> {
-    let n_bytes = header.uncompressed_size;
-    if n_bytes > MAX_RECORD_BYTES {
-        return Err(format!(
-            "a chunk claims {n_bytes} bytes, more than the {MAX_RECORD_BYTES} that are read"
-        ));
-    }
-    let unpacked = match squeezing {
-        Squeezing::None => Ok(Cow::Borrowed(data)),
-        Squeezing::Lz4 => read_all(lz4::Decoder::new(data), n_bytes),
-        Squeezing::Zstd => read_all(zstd::Decoder::new(data), n_bytes),
-    };
-    let unpacked = unpacked
-        .ok()
-        .filter(|unpacked| unpacked.len() as u64 == n_bytes)
-        .ok_or("a chunk does not unpack to what it claims")?;
-    let crc = header.uncompressed_crc;
-    if crc != 0 && crc32fast::hash(&unpacked) != crc {
-        return Err("a chunk has another checksum than its bytes".to_owned());
-    }
-    Ok(unpacked)
-}
-
-/// What a decoder gives, one byte more than is claimed at most; no more memory is taken than for what it turns out to
-/// be, or for a chunk of usual size.
-fn read_all(decoder: io::Result<impl Read>, claimed: u64) -> io::Result<Cow<'static, [u8]>> {
-    let usual = usize::try_from(claimed).map_or(USUAL_BYTES, |claimed| claimed.min(USUAL_BYTES));
-    let mut unpacked = Vec::with_capacity(usual + 1);
-    decoder?.take(claimed + 1).read_to_end(&mut unpacked)?;
-    Ok(Cow::Owned(unpacked))
 }
 
 #[cfg(test)]
@@ -470,16 +422,5 @@ mod tests {
             let n_bytes = event.n_bytes();
             assert!((least..least + 100).contains(&n_bytes), "{n_bytes} bytes");
         }
-    }
-
-    #[test]
-    fn many_short_records_take_no_more_memory_than_is_allowed() {
-        let private = [0x80, 0, 0, 0, 0, 0, 0, 0, 0].repeat(1000);
-        let n_bytes = 1000 * size_of::<Event>() as u64;
-        assert_eq!(
-            events(&private, n_bytes).map(|events| events.len()),
-            Ok(1000)
-        );
-        assert!(events(&private, n_bytes - 1).is_err());
     }
 }

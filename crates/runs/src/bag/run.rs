@@ -8,7 +8,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use super::camera::{Camera, CameraReport, CameraRun, Damaged, Decoded, Incoming, Panes, on_all};
-use super::records::{Damage, Event, Records};
+use super::damage::Damage;
+use super::records::{Event, Records};
 use super::topics::{Content, Topics};
 use super::write::{BagWriter, Outgoing};
 use super::{Bag, unreadable};

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
+use super::damage::Damage;
 use super::message::{CameraKind, CameraMessage};
 use super::promise::{Promise, promise};
 use super::records::{Event, Packing, Records, Unreadable};
@@ -66,6 +67,8 @@ pub(super) struct Survey {
     /// The cameras that were asked for, by topic.
     pub(super) cameras: BTreeMap<String, Seen>,
     pub(super) promise: Option<Promise>,
+    /// Why it is not whole, as far as it was looked at.
+    pub(super) damage: Option<Damage>,
 }
 
 /// A camera as it begins.
@@ -151,7 +154,7 @@ impl Survey {
             refuse(&promise.topics, names)?;
         }
         from.seek(SeekFrom::Start(0))?;
-        let mut records = Records::open(from)?;
+        let mut records = Records::open(from, promise.as_ref())?;
         let promised: BTreeMap<&str, Content> = (promise.iter())
             .flat_map(|promise| promise.topics.all())
             .collect();
@@ -167,6 +170,7 @@ impl Survey {
                 .map(|(topic, _)| ((*topic).to_owned(), Seen::default()))
                 .collect(),
             promise,
+            damage: None,
         };
         while let Some(event) = records.next_event()? {
             survey.take(event, names)?;
@@ -175,6 +179,7 @@ impl Survey {
             }
         }
         survey.packing = records.packing().unwrap_or(Packing::Bare);
+        survey.damage = records.damage().cloned();
         // What an earlier run added may stand before its camera.
         let Self {
             topics, cameras, ..
