@@ -4,8 +4,6 @@ use std::path::PathBuf;
 
 use starbreak_dataset::DatasetError;
 
-use crate::bag::Damage;
-
 /// What is wrong with a bag or with what is asked of it, as one line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -45,7 +43,7 @@ pub enum BagError {
     /// No topic has images.
     #[error(
         "{path:?} has no camera: none of its {n_topics} topics holds sensor_msgs/msg/Image or CompressedImage in CDR{}",
-        why_so_few(.damage.as_ref())
+        why_so_few(.damage.as_deref())
     )]
     NoCamera {
         /// The bag.
@@ -53,14 +51,14 @@ pub enum BagError {
         /// How many topics it has.
         n_topics: usize,
         /// Why it is not whole, if it is not.
-        damage: Option<Damage>,
+        damage: Option<String>,
     },
     /// A topic that is not there.
     #[error(
         "{path:?} has no topic {}; its cameras are {}{}",
         .topic.escape_debug(),
         listed(.cameras),
-        why_so_few(.damage.as_ref())
+        why_so_few(.damage.as_deref())
     )]
     NoTopic {
         /// The bag.
@@ -70,7 +68,7 @@ pub enum BagError {
         /// Topics with images, in alphabetical order.
         cameras: Vec<String>,
         /// Why the bag is not whole, if it is not.
-        damage: Option<Damage>,
+        damage: Option<String>,
     },
     /// A topic that is named twice.
     #[error("topic {} is named twice; a camera has one recipe", .topic.escape_debug())]
@@ -313,7 +311,7 @@ impl From<DatasetError> for MessageFault {
 }
 
 /// That a bag is not whole, where it is not: what is missing may stand in what cannot be read.
-fn why_so_few(damage: Option<&Damage>) -> String {
+fn why_so_few(damage: Option<&str>) -> String {
     damage.map_or_else(String::new, |damage| {
         format!(", and the file is not whole: {damage}")
     })

@@ -173,7 +173,7 @@ impl Bag {
             return Err(BagError::NoCamera {
                 path: input.clone(),
                 n_topics: survey.all_topics().len(),
-                damage: survey.damage.clone(),
+                damage: survey.damage.as_ref().map(Damage::to_string),
             }
             .into());
         }
@@ -354,7 +354,7 @@ fn not_a_camera(path: &Path, survey: &Survey, topic: &str) -> BagError {
                 .filter(|(_, content)| matches!(content, Content::Camera(_)))
                 .map(|(topic, _)| (*topic).to_owned())
                 .collect(),
-            damage: survey.damage.clone(),
+            damage: survey.damage.as_ref().map(Damage::to_string),
         },
     }
 }
