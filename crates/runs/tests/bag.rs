@@ -11,7 +11,7 @@ use bag_file::{
     Content, Folder, IMAGE, Kept, MASKS, context, data_at, drive, nothing, packings, silent, small,
 };
 use mcap::WriteOptions;
-use sha2::{Digest as _, Sha256};
+use starbreak_dataset::sha256_hex;
 use starbreak_runs::bag::{Added, BagRequest, ImpactAt};
 use starbreak_runs::clip::Growth;
 
@@ -49,7 +49,7 @@ fn the_files_of_the_conformance_suite_stay_as_they_are() {
     for (name, counts, has_schema, choices) in suite::CONTENTS {
         for chosen in suite::subsets(choices) {
             let bag = suite::bag(counts, has_schema, &chosen);
-            hashes.push(sha256(&bag));
+            hashes.push(sha256_hex(&bag));
             let before = Content::of(&bag);
             let n_records: u32 = counts.into_iter().sum();
             assert_eq!(
@@ -72,12 +72,11 @@ fn the_files_of_the_conformance_suite_stay_as_they_are() {
     assert_eq!(hashes.len(), 416, "files of the suite");
     hashes.sort();
     let all: String = hashes.iter().map(|hash| format!("{hash}\n")).collect();
-    assert_eq!(sha256(all.as_bytes()), SUITE_SHA256, "they are its files");
-}
-
-fn sha256(bytes: &[u8]) -> String {
-    let digest = Sha256::digest(bytes);
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    assert_eq!(
+        sha256_hex(all.as_bytes()),
+        SUITE_SHA256,
+        "they are its files"
+    );
 }
 
 #[test]

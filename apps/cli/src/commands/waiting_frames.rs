@@ -64,7 +64,7 @@ impl WaitingFrames {
     ) -> Self {
         let shared = Arc::new(Shared {
             state: Mutex::new(State {
-                spare: vec![vec![0; n_bytes]; N_BUFFERS],
+                spare: (0..N_BUFFERS).map(|_| vec![0; n_bytes]).collect(),
                 ..State::default()
             }),
             changed: Condvar::new(),
@@ -190,7 +190,7 @@ fn read_one(input: &mut impl Read, buffer: &mut [u8]) -> Result<(), InputEnd> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::{Sender, channel};
+    use std::sync::mpsc::{Receiver, Sender, channel};
 
     use super::*;
 
@@ -214,6 +214,18 @@ mod tests {
         }
     }
 
+    /// A hundred of them, and what tells when all were read.
+    fn hundred(late_after: Option<Duration>) -> (WaitingFrames, Receiver<()>) {
+        let (all_read, is_all_read) = channel();
+        let numbers = Numbers {
+            next: 0,
+            n: 100,
+            all_read,
+        };
+        let frames = WaitingFrames::read_from(numbers, 1, late_after);
+        (frames, is_all_read)
+    }
+
     fn next(frames: &WaitingFrames) -> Option<(u64, u8)> {
         match frames.next(Duration::from_secs(60)) {
             Next::Frame(frame) => {
@@ -229,13 +241,7 @@ mod tests {
 
     #[test]
     fn whoever_sends_does_not_wait_for_a_slow_reader_where_late_frames_are_left_out() {
-        let (all_read, is_all_read) = channel();
-        let numbers = Numbers {
-            next: 0,
-            n: 100,
-            all_read,
-        };
-        let frames = WaitingFrames::read_from(numbers, 1, Some(Duration::ZERO));
+        let (frames, is_all_read) = hundred(Some(Duration::ZERO));
         let read = is_all_read.recv_timeout(Duration::from_secs(60));
         assert!(read.is_ok(), "the sender is held up");
         assert_eq!(next(&frames), Some((99, 99)), "the newest");
@@ -244,13 +250,7 @@ mod tests {
 
     #[test]
     fn every_frame_comes_in_its_turn_where_none_is_late() {
-        let (all_read, _) = channel();
-        let numbers = Numbers {
-            next: 0,
-            n: 100,
-            all_read,
-        };
-        let frames = WaitingFrames::read_from(numbers, 1, None);
+        let (frames, _) = hundred(None);
         for k in 0..100 {
             assert_eq!(next(&frames), Some((u64::from(k), k)));
         }

@@ -24,7 +24,8 @@ const MOST_EVENED: usize = 4096;
 /// The same from which on rays at the rim look at the middle of what they stand for.
 const MANY_RAYS: f64 = 6.0;
 
-/// Blur, px, from which on a share below 0 at one side of a small drop is made up for by the other, and no lines are seen in it.
+/// Blur, px, from which on a share below 0 at one side of a small drop is made up for by the other, and no lines are seen
+/// in it.
 pub(super) const SOFT_PX: f64 = 1.0;
 
 /// Greatest radius along the longer side, of the focal length, of a drop across which places and directions change evenly.
@@ -86,15 +87,15 @@ struct Narrow {
 }
 
 impl<'a> DrawnDrop<'a> {
-    /// Of one that is seen in the frame or its blur, by a pupil that reaches so many of its radii from its middle, reaches
-    /// into it; none elsewhere.
-    pub(super) fn of(drop: Drop<'a>, middle: &Seen, pupil_reach: f64) -> Option<Self> {
+    /// As far as it lies in the frame, or its blur by a pupil that reaches so many of its radii from its middle reaches into
+    /// it; none elsewhere.
+    pub(super) fn of(drop: Drop<'a>, seen: &Seen, pupil_reach: f64) -> Option<Self> {
         let sheet = drop.water.from.sheet;
-        let blur_px = middle.blur_px;
+        let blur_px = seen.blur_px;
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
         let uneven = drop.cap.outline.reach();
-        let extent = Extent::of(&drop, middle, BEYOND * uneven);
-        let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(middle.places_per_px));
+        let extent = Extent::of(&drop, seen, BEYOND * uneven);
+        let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(seen.places_per_px));
         let mut of_cell = 1;
         while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
             of_cell *= 2;
@@ -124,12 +125,12 @@ impl<'a> DrawnDrop<'a> {
         }
         let per_ray = |per_px: [[f64; 2]; 2]| per_px.map(|of| of.map(|part| part / rays_per_px));
         let narrow = (extent.widest_px < BEYOND * NARROW * sheet.f_px()).then(|| Narrow {
-            sight: drop.water.sight(middle.sight),
-            per_ray: per_ray(middle.turns_per_px),
+            sight: drop.water.sight(seen.sight),
+            per_ray: per_ray(seen.turns_per_px),
         });
         let mut drawn = Self {
-            middle: middle.at_px.map(|px| rays_per_px * px),
-            per_ray: per_ray(middle.places_per_px),
+            middle: seen.at_px.map(|px| rays_per_px * px),
+            per_ray: per_ray(seen.places_per_px),
             // With half a ray.
             reach: extent.reach + 0.5 / (radius_px * rays_per_px),
             whole_within: whole_within(1.0 / (radius_px * rays_per_px)),
@@ -294,6 +295,8 @@ impl Drawn<LANES> for DrawnDrop<'_> {
 
 /// Where a drop is seen, about its middle.
 pub(super) struct Seen {
+    /// Where the ray of sight to its middle enters the pane.
+    pub(super) enters_mm: [f64; 2],
     pub(super) at_px: [f64; 2],
     /// Signed radius of its blur.
     pub(super) blur_px: f64,
@@ -305,14 +308,15 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// None of one that is nowhere near what lies so far from the frame, or so small that nothing is seen.
+    /// None of one that is farther from the frame than so many px and some of its own radii, or too small to be seen.
     pub(super) fn of(cap: &Cap, sheet: &SheetView, reach_px: f64) -> Option<Self> {
         let [[px_per_mm, _], _] = sheet.view().jacobian(cap.at_mm)?;
         let radius_px = px_per_mm * cap.radius_mm;
         if radius_px < LEAST_PX {
             return None;
         }
-        let at_px = sheet.project(cap.at_mm, sheet.outer_mm(), [0.0; 2])?;
+        let enters_mm = sheet.entry(cap.at_mm, sheet.outer_mm(), [0.0; 2])?;
+        let at_px = sheet.appears(enters_mm, [0.0; 2])?;
         let (width, height) = sheet.view().size();
         let far_px = reach_px + 4.0 * radius_px;
         let is_far = |px: f64, side: u32| !(-far_px..f64::from(side) + far_px).contains(&px);
@@ -332,6 +336,7 @@ impl Seen {
             }
         }
         Some(Self {
+            enters_mm,
             at_px,
             blur_px: sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?,
             sight: behind(0.0, 0.0)?.1,
@@ -352,7 +357,7 @@ struct Extent {
 
 impl Extent {
     /// Of so many times its radius.
-    fn of(drop: &Drop<'_>, middle: &Seen, times: f64) -> Self {
+    fn of(drop: &Drop<'_>, seen: &Seen, times: f64) -> Self {
         let mut extent = Self {
             reach: 0.0,
             widest_px: 0.0,
@@ -369,8 +374,8 @@ impl Extent {
                     spans_px: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
                 };
             };
-            let px = [0, 1].map(|k| at[k] - middle.at_px[k]);
-            let place = straight(&middle.places_per_px, px);
+            let px = [0, 1].map(|k| at[k] - seen.at_px[k]);
+            let place = straight(&seen.places_per_px, px);
             let [away, px] = [place, px].map(|[x, y]| libm::hypot(x, y));
             extent.reach = extent.reach.max(away);
             extent.widest_px = extent.widest_px.max(px);

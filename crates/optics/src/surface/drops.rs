@@ -57,7 +57,7 @@ impl<'a> Drops<'a> {
             match small {
                 Some(small) => drops.small.push(small),
                 None => {
-                    let drop = Drop::of(*cap, from);
+                    let drop = Drop::of(*cap, from, seen.enters_mm);
                     let drop = drop.and_then(|drop| DrawnDrop::of(drop, &seen, pupil_reach));
                     drops.traced.extend(drop);
                 }
@@ -104,13 +104,12 @@ pub(super) struct Sight {
 }
 
 impl<'a> Drop<'a> {
-    /// None where it is not before the camera.
-    pub(super) fn of(cap: Cap, from: &'a LightFrom<'a>) -> Option<Self> {
+    /// Of one to whose middle the ray of sight enters the pane at a place, mm; none where it is not before the camera.
+    fn of(cap: Cap, from: &'a LightFrom<'a>, enters_mm: [f64; 2]) -> Option<Self> {
         let enters = |right_mm: f64, down_mm: f64| {
             let at = [cap.at_mm[0] + right_mm, cap.at_mm[1] + down_mm];
             from.sheet.entry(at, from.sheet.outer_mm(), [0.0; 2])
         };
-        let enters_mm = enters(0.0, 0.0)?;
         let by = |other: [f64; 2]| [0, 1].map(|k| (other[k] - enters_mm[k]) / cap.radius_mm);
         Some(Self {
             cap,

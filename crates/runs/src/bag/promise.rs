@@ -25,9 +25,10 @@ pub(super) struct Promise {
 }
 
 impl Promise {
-    /// Its schemas and channels as they stand in a file.
+    /// Its schemas and channels as they stand in a file, where no schema has the number 0.
     pub(super) fn events(&self) -> Vec<Event> {
-        let schemas = self.schemas.iter().map(|(header, data)| Event::Schema {
+        let schemas = self.schemas.iter().filter(|(header, _)| header.id != 0);
+        let schemas = schemas.map(|(header, data)| Event::Schema {
             header: header.clone(),
             data: data.clone(),
         });

@@ -127,17 +127,14 @@ impl<W: Write + Seek> BagWriter<W> {
         let Some(promise) = &survey.promise else {
             return Ok(());
         };
-        for (header, data) in &promise.schemas {
-            if header.id != 0 && !self.written[1].contains(&header.id) {
-                self.write(Outgoing::Kept(Event::Schema {
-                    header: header.clone(),
-                    data: data.clone(),
-                }))?;
-            }
-        }
-        for channel in &promise.channels {
-            if !self.written[0].contains(&channel.id) {
-                self.write(Outgoing::Kept(Event::Channel(channel.clone())))?;
+        for event in promise.events() {
+            let is_written = match &event {
+                Event::Schema { header, .. } => self.written[1].contains(&header.id),
+                Event::Channel(channel) => self.written[0].contains(&channel.id),
+                _ => false,
+            };
+            if !is_written {
+                self.write(Outgoing::Kept(event))?;
             }
         }
         Ok(())
