@@ -35,12 +35,12 @@ impl Coat {
         }
     }
 
-    /// The same so many seconds later: dew and frost grow.
+    /// The same so many seconds later: dew and frost grow, by steps in which nothing visible changes, and clear.
     #[must_use]
     pub fn later(mut self, by_s: f64) -> Self {
         match &mut self {
-            Self::Frost(it) => it.age_s += by_s,
-            Self::Fog(it) => it.mean.age_s += by_s,
+            Self::Frost(it) => it.age_s = it.later_s(by_s),
+            Self::Fog(Fog { mean, .. }) => mean.age_s = mean.later_s(by_s),
             Self::Mud(_) | Self::Dust(_) | Self::Film(_) | Self::Scratches(_) => {}
         }
         self

@@ -76,6 +76,9 @@ const FORWARDS: f64 = 0.6;
 const RIME_OVER_MM: f64 = 30.0;
 const RIME_MM: f64 = 0.02;
 
+/// Way of the front, mm, on which nothing visible changes: a fiftieth of a pixel or so.
+const STEP_MM: f64 = 0.01;
+
 /// Most nuclei.
 const MOST_NUCLEI: f64 = 2e4;
 
@@ -89,6 +92,15 @@ const TOGETHER: usize = 4;
 const NEVER: f32 = f32::INFINITY;
 
 impl Frost {
+    /// Its age so many seconds later, s: by steps while it grows.
+    pub(crate) fn later_s(&self, by_s: f64) -> f64 {
+        let (step_s, later_s) = (STEP_MM / self.front_mm_s, self.age_s + by_s);
+        match later_s < self.melts_from_s && step_s.is_finite() {
+            true => self.age_s + (by_s / step_s).floor() * step_s,
+            false => later_s,
+        }
+    }
+
     pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> FrostedPane {
         let cell_mm = finest_mm.clamp(0.2, 0.5);
         // A whole number of cells, so that what leaves on one side comes in on the other.

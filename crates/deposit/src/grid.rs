@@ -21,14 +21,14 @@ pub(crate) struct Known {
 }
 
 /// Drops by their size and by the cell of their middle.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Grid {
     order: Cells,
     sizes: [OfSize; 3],
 }
 
 /// Drops of some size.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct OfSize {
     cells: Cells,
     drops: Vec<Vec<Known>>,
@@ -37,7 +37,7 @@ struct OfSize {
 }
 
 /// An area in cells.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Cells {
     from_mm: [f64; 2],
     /// Powers of two, as the sides.

@@ -48,7 +48,7 @@ pub use frost::Frost;
 pub use heating::{Heat, Heating};
 pub use mud::Mud;
 pub use outline::{Outline, RoundPlace};
-pub use rain::Rain;
+pub use rain::{Rain, Shower};
 pub use scratches::Scratches;
 
 /// A rectangle of a pane.

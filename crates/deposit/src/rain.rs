@@ -1,15 +1,16 @@
 //! Rain on a pane: from its rate to the drops that lie there.
 
 mod pane;
+mod shower;
 
 use std::f64::consts::PI;
 
-use starbreak_seed::{Seed, Stream, uniform};
+use starbreak_seed::Seed;
 
 use crate::cap::volume_per_cubed_radius;
 use crate::{Area, Deposit};
 
-use pane::Pane;
+pub use shower::Shower;
 
 /// Surface tension of water at 20 °C, N/m.
 const TENSION_N_M: f64 = 0.0728;
@@ -65,7 +66,7 @@ impl Default for Rain {
 }
 
 /// Drops of rain by their diameter: how many hit a pane, and how large they are.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Impacts {
     /// m⁻² s⁻¹.
     all: f64,
@@ -211,30 +212,7 @@ impl Rain {
     /// later age only adds to what was there.
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
-        let impacts = self.impacts();
-        let per_s = impacts.all * area.area_m2();
-        if self.rate_m_s <= 0.0 || per_s <= 0.0 {
-            return Deposit::default();
-        }
-        let mut pane = Pane::dry(*self, *area);
-        let mut rng = seed.stream(Stream::Rain, 0);
-        let [width, height] = area.sides_mm();
-        let mut time_s = 0.0;
-        for k in 0_u64.. {
-            time_s -= libm::log(1.0 - uniform(&mut rng)) / per_s;
-            let at_mm = [
-                area.from_mm[0] + width * uniform(&mut rng),
-                area.from_mm[1] + height * uniform(&mut rng),
-            ];
-            let diameter_mm = impacts.diameter_mm(uniform(&mut rng));
-            if time_s > self.age_s {
-                break;
-            }
-            let volume_mm3 = PI / 6.0 * cubed(diameter_mm);
-            let trail = seed.stream(Stream::Rain, k + 1);
-            pane.lands(at_mm, volume_mm3, (time_s, trail));
-        }
-        Deposit { caps: pane.caps() }
+        Shower::of(*self, *area, seed).at(self.age_s)
     }
 }
 

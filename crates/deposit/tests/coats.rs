@@ -459,6 +459,87 @@ fn later_dew_and_frost_have_grown_and_the_rest_has_not() {
 }
 
 #[test]
+fn coats_grow_in_steps_that_are_not_seen_and_clear_evenly() {
+    let age_s = |coat: &Coat| match coat {
+        Coat::Frost(it) => it.age_s,
+        Coat::Fog(it) => it.mean.age_s,
+        other => panic!("{other:?} has no age"),
+    };
+    let dew_of = |coat: &Coat| match coat {
+        Coat::Fog(it) => Some(it.mean.drops(1.0)),
+        _ => None,
+    };
+    let dew = |age_s: f64| {
+        let mean = Condensation {
+            age_s,
+            ..fog().mean
+        };
+        Coat::Fog(Fog { mean, ..fog() })
+    };
+    for (coat, up_to_s) in [
+        (dew(0.0), 60.0),
+        (dew(2.0), 60.0),
+        (dew(100.0), 400.0),
+        (Coat::Frost(FROST), 60.0),
+        (
+            Coat::Frost(Frost {
+                age_s: 0.5,
+                ..FROST
+            }),
+            60.0,
+        ),
+    ] {
+        let from_s = age_s(&coat);
+        let mut n_steps = 0;
+        let mut last = coat;
+        for k in 0..=10_000 {
+            let by_s = f64::from(k) * 1e-4 * up_to_s;
+            let now = coat.later(by_s);
+            let [now_s, last_s] = [&now, &last].map(age_s);
+            assert!(
+                last_s <= now_s && now_s <= from_s + by_s,
+                "{by_s} s: {now_s}"
+            );
+            let mut exact = coat;
+            match &mut exact {
+                Coat::Frost(it) => it.age_s = from_s + by_s,
+                Coat::Fog(it) => it.mean.age_s = from_s + by_s,
+                _ => {}
+            }
+            match [&now, &exact].map(dew_of) {
+                [Some(now), Some(exact)] => {
+                    let more = exact.covered - now.covered;
+                    let larger = exact.radius_m / now.radius_m.max(1e-12);
+                    assert!(more < 0.0015, "{by_s} s: {more} more is covered");
+                    assert!(larger < 1.004 || exact.covered < 0.55, "{by_s} s: {larger}");
+                }
+                _ => {
+                    let front_mm = FROST.front_mm_s * (from_s + by_s - now_s);
+                    assert!(front_mm < 0.0101, "{by_s} s: {front_mm} mm");
+                }
+            }
+            n_steps += i32::from(now_s > last_s);
+            last = now;
+        }
+        assert!(
+            (100..1500).contains(&n_steps),
+            "{n_steps} steps of {coat:?}"
+        );
+        let mut clears = coat;
+        match &mut clears {
+            Coat::Frost(it) => it.melts_from_s = from_s + 5.0,
+            Coat::Fog(it) => it.mean.clears_from_s = from_s + 5.0,
+            _ => {}
+        }
+        for by_s in [5.0, 5.033, 5.066, 9.0] {
+            let exact_s = from_s + by_s;
+            let found_s = age_s(&clears.later(by_s));
+            assert!((found_s - exact_s).abs() < 1e-9, "{by_s} s later");
+        }
+    }
+}
+
+#[test]
 fn a_seed_places_what_lies_there() {
     for coat in [
         Coat::Mud(MUD),

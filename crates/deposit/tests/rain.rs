@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use starbreak_deposit::{Area, Cap, Outline, Rain};
+use starbreak_deposit::{Area, Cap, Outline, Rain, Shower};
 use starbreak_seed::Seed;
 
 const AREA: Area = Area {
@@ -259,4 +259,39 @@ fn later_is_more_of_the_same() {
     );
     assert!(rain(0.0).on_pane(&AREA, Seed(1)).is_empty(), "no rain");
     assert!(early.caps.first().unwrap().volume_mm3() > 0.0);
+}
+
+#[test]
+fn rain_that_goes_on_is_the_rain_of_each_age() {
+    // Standing in heavy rain, where drops run down, and at speed, where they run up; at ages of a clip whose frames are shown
+    // side by side, and in jumps, one of them back.
+    let ages_s = [1.0, 1.033, 1.1, 1.066, 1.7, 4.0, 3.8, 4.033, 2.0, 6.5];
+    let mut n_ran = 0;
+    for (mm_h, speed_m_s) in [(40.0, 0.0), (25.0, 25.0)] {
+        for seed in (0..3).map(Seed) {
+            let rain = Rain {
+                speed_m_s,
+                ..rain(mm_h)
+            };
+            let mut shower = Shower::of(rain, AREA, seed);
+            let mut before = Vec::new();
+            for age_s in ages_s {
+                let fresh = Rain { age_s, ..rain }.on_pane(&AREA, seed);
+                shower.rest(age_s);
+                assert!(
+                    shower.clone().at(age_s) == fresh,
+                    "{mm_h} mm/h at {age_s} s"
+                );
+                // Some that lay there were taken up.
+                n_ran += before
+                    .iter()
+                    .filter(|cap| !fresh.caps.contains(cap))
+                    .count();
+                before = fresh.caps;
+            }
+            assert!(shower.is_of(&Rain { age_s: 9.0, ..rain }, &AREA, seed));
+            assert!(!shower.is_of(&rain, &AREA, Seed(77)), "of another seed");
+        }
+    }
+    assert!(n_ran > 1000, "{n_ran} drops were taken up");
 }

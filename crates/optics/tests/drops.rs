@@ -11,7 +11,7 @@ use starbreak_deposit::{Area, Cap, Deposit, Outline, Rain};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens::Lens;
-use starbreak_optics::physical::{Glass, PhysicalOptics, bake};
+use starbreak_optics::physical::{Glass, KeptDrops, PhysicalOptics, bake};
 use starbreak_optics::srgb::{decode16, encode16};
 use starbreak_optics::{Camera, View};
 use starbreak_seed::Seed;
@@ -67,6 +67,28 @@ impl Close {
         scene: impl Fn(f64, f64) -> [f64; 3],
     ) -> Vec<[f64; 3]> {
         let (width, height) = self.size;
+        let (view, optics) = self.set_up(known);
+        let none = CrackNetwork::without_cracks(width, height);
+        let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+        let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
+        assert!(!pattern.is_intact(), "drops are in the frame");
+        let mut image = DynamicImage::ImageRgb16(ImageBuffer::from_fn(width, height, |x, y| {
+            let light = scene(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            Rgb(light.map(|value| encode16(value as f32)))
+        }));
+        pattern
+            .light(environment, &optics)
+            .apply(&mut image, Seed(1))
+            .unwrap();
+        let codes = image.into_rgb16();
+        codes
+            .pixels()
+            .map(|pixel| pixel.0.map(|code| f64::from(decode16(code))))
+            .collect()
+    }
+
+    /// The camera, with its lens and the pane.
+    fn set_up(&self, known: EnvironmentParams) -> (View, PhysicalOptics) {
         let camera = Camera {
             f_px: self.f_px,
             distance_m: self.distance_m,
@@ -100,24 +122,7 @@ impl Close {
             environment: known,
             ..PhysicalOptics::default()
         };
-        let view = View::through(&camera, self.size).unwrap();
-        let none = CrackNetwork::without_cracks(width, height);
-        let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
-        let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
-        assert!(!pattern.is_intact(), "drops are in the frame");
-        let mut image = DynamicImage::ImageRgb16(ImageBuffer::from_fn(width, height, |x, y| {
-            let light = scene(f64::from(x) + 0.5, f64::from(y) + 0.5);
-            Rgb(light.map(|value| encode16(value as f32)))
-        }));
-        pattern
-            .light(environment, &optics)
-            .apply(&mut image, Seed(1))
-            .unwrap();
-        let codes = image.into_rgb16();
-        codes
-            .pixels()
-            .map(|pixel| pixel.0.map(|code| f64::from(decode16(code))))
-            .collect()
+        (View::through(&camera, self.size).unwrap(), optics)
     }
 }
 
@@ -671,4 +676,74 @@ fn drops_beside_the_camera_are_not_seen() {
     let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
     let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
     assert!(pattern.is_intact(), "nothing of them is in the frame");
+}
+
+#[test]
+fn drops_that_are_kept_are_seen_as_before() {
+    // Sharp ones of so many cells that there is no room for the last; and blurred ones.
+    for (blur_px, radius_mm, others) in [(0.0, 47.0, 0), (7.0, 4.0, 300)] {
+        let close = Close {
+            size: (400, 400),
+            f_px: 400.0,
+            distance_m: 0.15,
+            rake_deg: 30.0,
+            rim_reflectance: 0.5,
+            blur_px,
+        };
+        let (view, optics) = close.set_up(EnvironmentParams::default());
+        let kept = KeptDrops::default();
+        let at = |[x, y]: [f64; 2], radius_mm| Cap {
+            at_mm: [x, y],
+            radius_mm,
+            contact_rad: 0.7,
+            outline: Outline::default(),
+        };
+        let large: Vec<Cap> = (0..4)
+            .map(|k| at([[-50.0, 50.0][k % 2], [-50.0, 50.0][k / 2]], radius_mm))
+            .collect();
+        // Some of them too small to be seen in parts.
+        let small: Vec<Cap> = (0..others)
+            .map(|k| {
+                at(
+                    [
+                        f64::from(k % 20) * 6.0 - 60.0,
+                        f64::from(k / 20) * 6.0 - 20.0,
+                    ],
+                    0.05 * f64::from(k % 9),
+                )
+            })
+            .collect();
+        let all = [large.clone(), small.clone()].concat();
+        let mut fewer = all.clone();
+        fewer.drain(1..3);
+        let mut another = all.clone();
+        another[0].contact_rad = 0.5;
+        let back: Vec<Cap> = all.iter().rev().copied().collect();
+        for (what, caps) in [
+            ("all", &all),
+            ("all again", &all),
+            ("fewer", &fewer),
+            ("more", &all),
+            ("another in a place", &another),
+            ("another order", &back),
+            ("small ones", &small),
+        ] {
+            let deposit = Deposit { caps: caps.clone() };
+            let images = [None, Some(&kept)].map(|kept| {
+                let none = CrackNetwork::without_cracks(400, 400);
+                let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+                let pattern = match kept {
+                    Some(kept) => pattern.behind_kept(&deposit, &view, &optics, kept),
+                    None => pattern.behind(&deposit, &view, &optics),
+                };
+                let mut image = DynamicImage::ImageRgb16(ImageBuffer::from_fn(400, 400, |x, y| {
+                    Rgb([x, y, 7 * x % 250].map(|value| 150 * value as u16))
+                }));
+                let overlay = pattern.unwrap().light(&light(0.4, 0.1), &optics);
+                overlay.apply(&mut image, Seed(1)).unwrap();
+                image
+            });
+            assert!(images[0] == images[1], "{what}, blurred by {blur_px} px");
+        }
+    }
 }

@@ -308,6 +308,32 @@ fn what_lies_on_the_glass_ages_and_a_wiper_wipes_it() {
 }
 
 #[test]
+fn a_frame_does_not_depend_on_the_frames_before_it() {
+    let image = colors().crop_imm(0, 0, 320, 200);
+    for (preset, set) in [
+        ("rain", "drops.wiper_period_s=4.5"),
+        ("fogged", "condensation.clears_from_s=124"),
+        ("frosted", "frost.melts_from_s=1803"),
+        ("rainy-drive", "drops.wiper_period_s=0"),
+    ] {
+        let mut recipe = Recipe::preset(preset).unwrap();
+        recipe.set(set).unwrap();
+        let settings = recipe.settings().unwrap();
+        let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
+        for by_s in [0.0, 0.033, 0.4, 0.1, 2.0, 6.0, 6.033, 3.0] {
+            let fresh = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
+            let [codes, expected] = [&chain, &fresh].map(|chain| {
+                let mut image = image.clone();
+                let later = chain.later(by_s, Some(f64::INFINITY)).unwrap();
+                later.over(&mut image, Seed(1)).unwrap();
+                (image, later.facts().clone())
+            });
+            assert!(codes == expected, "{preset} after {by_s} s");
+        }
+    }
+}
+
+#[test]
 fn lamps_brighter_than_white_stay_as_they_are_where_nothing_meets_their_light() {
     let lamps: DynamicImage = RgbImage::from_fn(320, 200, |x, y| {
         Rgb([

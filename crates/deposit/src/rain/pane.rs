@@ -21,7 +21,7 @@ const TRAIL_RADIUS: f64 = 0.28;
 const STOPS_AT: f64 = 0.85;
 
 /// A drop that lies on a pane.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Lying {
     at_mm: [f64; 2],
     radius_mm: f64,
@@ -31,13 +31,35 @@ struct Lying {
 }
 
 /// How far a drop is from round: as it is known, or as what it was left with makes it.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 enum Lies {
     Known(Outline),
     Drawn(Drawn),
 }
 
+impl Lying {
+    fn known(&self, number: u32) -> Known {
+        Known {
+            at_mm: self.at_mm,
+            radius_mm: self.radius_mm,
+            number,
+        }
+    }
+}
+
+/// What is done to a pane.
+#[derive(Debug, Clone, Copy)]
+enum Change {
+    /// A drop is put into a place, which may be a new one.
+    Put {
+        number: u32,
+        is_new: bool,
+    },
+    Cleared(Known, Option<Lying>),
+}
+
 /// A pane while it rains.
+#[derive(Debug, Clone)]
 pub(super) struct Pane {
     rain: Rain,
     area: Area,
@@ -49,6 +71,8 @@ pub(super) struct Pane {
     drops: Vec<Option<Lying>>,
     free: Vec<u32>,
     n_put: u64,
+    /// Since the last drop landed.
+    changes: Vec<Change>,
     /// Of a drop: all have the same contact angle.
     volume_per_cubed_radius: f64,
 }
@@ -65,6 +89,7 @@ impl Pane {
             drops: Vec::new(),
             free: Vec::new(),
             n_put: 0,
+            changes: Vec::new(),
             volume_per_cubed_radius: volume_per_cubed_radius(rain.contact_rad),
         }
     }
@@ -75,28 +100,59 @@ impl Pane {
         drops.map(|lying| self.cap(lying)).collect()
     }
 
-    /// A drop lands, takes up what it touches, and runs if it is too heavy then.
+    /// A drop lands, takes up what it touches, and runs for so long if it is too heavy then. Whether it has come to rest, or
+    /// has left the area: then it is so after any longer time.
     pub(super) fn lands(
         &mut self,
         at_mm: [f64; 2],
         volume_mm3: f64,
-        (time_s, mut trail): (f64, ChaCha8Rng),
-    ) {
+        (runs_s, mut trail): (f64, ChaCha8Rng),
+    ) -> bool {
+        self.changes.clear();
         let mut cap = Cap {
             outline: Outline::fallen(&Drawn::by(&mut trail), self.most_bulges),
             ..self.round(at_mm, volume_mm3)
         };
         self.take_up(&mut cap);
-        let mut left_mm = RUN_M_S * (self.rain.age_s - time_s) * 1e3;
+        let mut left_mm = RUN_M_S * runs_s * 1e3;
+        let mut has_run = false;
         while left_mm > 0.0
             && let Some(goes) = self.runs(&cap)
         {
+            has_run = true;
             match self.run(&mut cap, (goes, left_mm), &mut trail) {
                 Some(left) => left_mm = left,
-                None => return,
+                None => return true,
             }
         }
         self.put(&cap, Lies::Known(cap.outline));
+        left_mm > 0.0 || !has_run && self.runs(&cap).is_none()
+    }
+
+    /// As if the last drop had not landed.
+    pub(super) fn take_back(&mut self) {
+        while let Some(change) = self.changes.pop() {
+            match change {
+                Change::Put { number, is_new } => {
+                    self.n_put -= 1;
+                    let lying = match is_new {
+                        true => self.drops.pop().flatten(),
+                        false => {
+                            self.free.push(number);
+                            self.drops[number as usize].take()
+                        }
+                    };
+                    if let Some(lying) = lying {
+                        self.grid.remove(&lying.known(number));
+                    }
+                }
+                Change::Cleared(known, lying) => {
+                    self.free.pop();
+                    self.drops[known.number as usize] = lying;
+                    self.grid.add(known);
+                }
+            }
+        }
     }
 
     /// A round drop: [`Cap::of_volume`], without the angles, which take most of its time.
@@ -126,22 +182,22 @@ impl Pane {
     }
 
     fn put(&mut self, cap: &Cap, outline: Lies) {
-        let number = self.free.pop().unwrap_or_else(|| {
+        let freed = self.free.pop();
+        let number = freed.unwrap_or_else(|| {
             self.drops.push(None);
             u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
         });
-        self.grid.add(Known {
-            at_mm: cap.at_mm,
-            radius_mm: cap.radius_mm,
-            number,
-        });
-        self.drops[number as usize] = Some(Lying {
+        let lying = Lying {
             at_mm: cap.at_mm,
             radius_mm: cap.radius_mm,
             outline,
             put: self.n_put,
-        });
+        };
+        self.grid.add(lying.known(number));
+        self.drops[number as usize] = Some(lying);
         self.n_put += 1;
+        let is_new = freed.is_none();
+        self.changes.push(Change::Put { number, is_new });
     }
 
     /// Takes up all drops that a drop touches, until it touches none: one of all their water, at their center of mass.
@@ -277,7 +333,8 @@ impl Pane {
     }
 
     fn clear(&mut self, known: &Known) {
-        self.drops[known.number as usize] = None;
+        let lying = self.drops[known.number as usize].take();
+        self.changes.push(Change::Cleared(*known, lying));
         self.grid.remove(known);
         self.free.push(known.number);
     }

@@ -1,7 +1,6 @@
 //! Categories pooled by their groups.
 
-use super::Detections;
-use crate::{Category, LabelSet, Object};
+use crate::{Category, LabelSet};
 
 /// Which group each category belongs to.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,25 +46,5 @@ impl Pooling {
             .get(category as usize)
             .copied()
             .unwrap_or(u32::MAX)
-    }
-
-    /// The objects with their groups as categories.
-    #[must_use]
-    pub(crate) fn objects_of(&self, labels: &LabelSet) -> Vec<Object> {
-        let pooled = |object: &Object| Object {
-            category: self.group(object.category),
-            ..object.clone()
-        };
-        labels.objects.iter().map(pooled).collect()
-    }
-
-    /// The detections with their groups as categories.
-    #[must_use]
-    pub(crate) fn detections_of(&self, detections: &Detections) -> Detections {
-        let mut pooled = detections.clone();
-        for detection in &mut pooled.items {
-            detection.category = self.group(detection.category);
-        }
-        pooled
     }
 }

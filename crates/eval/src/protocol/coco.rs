@@ -6,7 +6,7 @@ use hotcoco::params::AreaRange as EngineRange;
 use hotcoco::{COCOeval, EvalImg, Params};
 
 use super::curve::{N_RECALLS, RankedMatches, mean_in_numpy_order};
-use super::engine::{Restriction, engine, place_of, run, runs_of_categories};
+use super::engine::{Boxes, Restriction, place_of, run, runs_of_categories};
 use crate::{Detections, EvalError, LabelSet};
 
 /// A range of areas, both ends in it.
@@ -155,14 +155,23 @@ pub fn evaluate_coco(
     params: &CocoParams,
     values: Option<&Restriction<'_>>,
 ) -> Result<CocoEvaluation, EvalError> {
-    let n_categories = labels.categories.len();
+    evaluate_boxes(Boxes::of(labels, detections), params, values)
+}
+
+/// The same by categories or groups of them.
+pub(crate) fn evaluate_boxes(
+    boxes: Boxes<'_>,
+    params: &CocoParams,
+    values: Option<&Restriction<'_>>,
+) -> Result<CocoEvaluation, EvalError> {
+    let n_categories = boxes.n_categories();
     params.check(n_categories)?;
     if !params.by_category {
-        return evaluate_run(labels, detections, params, values, &(0..n_categories));
+        return evaluate_run(boxes, params, values, &(0..n_categories));
     }
     let mut evaluation = CocoEvaluation::blank(params, n_categories);
-    for categories in runs_of_categories(labels, detections) {
-        let part = evaluate_run(labels, detections, params, values, &categories)?;
+    for categories in runs_of_categories(&[boxes]) {
+        let part = evaluate_run(boxes, params, values, &categories)?;
         evaluation.put(&part, categories.start);
     }
     Ok(evaluation)
@@ -170,13 +179,12 @@ pub fn evaluate_coco(
 
 /// The same of some of the categories.
 fn evaluate_run(
-    labels: &LabelSet,
-    detections: &Detections,
+    boxes: Boxes<'_>,
     params: &CocoParams,
     values: Option<&Restriction<'_>>,
     categories: &Range<usize>,
 ) -> Result<CocoEvaluation, EvalError> {
-    let mut engine = engine(labels, detections, values, categories)?;
+    let mut engine = boxes.engine(values, categories)?;
     engine.params.iou_thrs.clone_from(&params.iou_thresholds);
     let caps = params.max_detections.iter();
     engine.params.max_dets = caps
@@ -194,11 +202,15 @@ fn evaluate_run(
         false => 1,
     };
     let mut evaluation = CocoEvaluation::blank(params, n_categories);
-    let zero = labels.objects.iter().position(|object| object.id == 0);
+    let zero = boxes
+        .labels
+        .objects
+        .iter()
+        .position(|object| object.id == 0);
     match zero.filter(|_| params.has_gt_id_zero_quirk) {
         Some(zero) => {
             let first = categories.start;
-            evaluation.accumulate(&engine, zero, values, detections, first);
+            evaluation.accumulate(&engine, zero, values, boxes.detections, first);
         }
         None => {
             engine.accumulate();

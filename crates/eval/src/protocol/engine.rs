@@ -9,7 +9,7 @@ use hotcoco::{Annotation, COCO, COCOeval, Dataset, EvalImg, Extra, Image};
 
 use crate::{
     Detections, EvalError, ImageMatches, LabelSet, MatchedDetection, MatchedObject, ObjectKind,
-    Outcome,
+    Outcome, Pooling,
 };
 
 /// What counts and what is merely ignored, by one value per object and detection: objects outside
@@ -74,43 +74,31 @@ pub fn match_images(
     detections: &Detections,
     rule: &MatchRule<'_>,
 ) -> Result<Vec<ImageMatches>, EvalError> {
-    let threshold = rule.iou_threshold;
-    if !(0.0..=1.0).contains(&threshold) {
-        return Err(EvalError::StatisticSetting {
-            what: "threshold of overlap",
-            value: threshold,
-            range: "from 0 to 1",
-        });
-    }
-    let range = rule.region.map_or([0.0, 1e10], |region| region.range);
+    let boxes = Boxes::of(labels, detections);
     let mut matches = Vec::new();
-    for categories in runs_of_categories(labels, detections) {
-        let mut engine = engine(labels, detections, rule.region.as_ref(), &categories)?;
-        engine.params.iou_thrs = vec![threshold];
-        engine.params.max_dets = vec![usize::try_from(rule.max_detections).unwrap_or(usize::MAX)];
-        engine.params.area_ranges = vec![EngineRange {
-            label: "all".to_owned(),
-            range,
-        }];
-        run(&mut engine)?;
-        let cells = engine.eval_imgs().iter().flatten();
-        matches.extend(cells.map(|cell| of_cell(labels, detections, cell)));
+    for categories in runs_of_categories(&[boxes]) {
+        matches.extend(boxes.matches(rule, &categories)?);
     }
-    matches.sort_by_key(|of_image: &ImageMatches| (of_image.image, of_image.category));
+    sort(&mut matches);
     Ok(matches)
+}
+
+/// By image and then category.
+pub(crate) fn sort(matches: &mut [ImageMatches]) {
+    matches.sort_by_key(|of_image| (of_image.image, of_image.category));
 }
 
 /// Categories that are evaluated together: as many as have so many detections, so that the engine,
 /// which holds some 300 bytes for each, does not hold all at once.
 const RUN_DETECTIONS: usize = 50_000;
 
-/// All categories in runs, in their order.
-pub(super) fn runs_of_categories(labels: &LabelSet, detections: &Detections) -> Vec<Range<usize>> {
-    let mut counts = vec![0; labels.categories.len()];
-    for detection in &detections.items {
-        let idx = usize::try_from(detection.category).unwrap_or(usize::MAX);
-        if let Some(count) = counts.get_mut(idx) {
-            *count += 1;
+/// All categories of some sets of the same labels in runs, in their order.
+pub(crate) fn runs_of_categories(sets: &[Boxes<'_>]) -> Vec<Range<usize>> {
+    // The engine holds one set after the other.
+    let mut counts = vec![0; sets.first().map_or(0, |set| set.n_categories())];
+    for set in sets {
+        for (most, count) in counts.iter_mut().zip(set.counts()) {
+            *most = count.max(*most);
         }
     }
     let mut runs = Vec::new();
@@ -126,102 +114,225 @@ pub(super) fn runs_of_categories(labels: &LabelSet, detections: &Detections) -> 
     runs
 }
 
-/// The engine with labels and detections of these categories, to be set up and run.
-///
-/// Images and categories go by their places, objects and detections by their places plus one, as 0
-/// is no number to pycocotools.
-pub(super) fn engine(
-    labels: &LabelSet,
-    detections: &Detections,
-    restriction: Option<&Restriction<'_>>,
-    categories: &Range<usize>,
-) -> Result<COCOeval, EvalError> {
-    let is_in = |category: u32| usize::try_from(category).is_ok_and(|c| categories.contains(&c));
-    if let Some(restriction) = restriction {
-        restriction.check(labels.objects.len(), detections.items.len())?;
+/// Objects and detections to be matched, by their own categories or by groups of these.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Boxes<'a> {
+    pub(crate) labels: &'a LabelSet,
+    pub(crate) detections: &'a Detections,
+    pub(crate) pooling: Option<&'a Pooling>,
+}
+
+impl<'a> Boxes<'a> {
+    pub(crate) fn of(labels: &'a LabelSet, detections: &'a Detections) -> Self {
+        Self {
+            labels,
+            detections,
+            pooling: None,
+        }
     }
-    let images = (0u64..).zip(&labels.images).map(|(id, _)| Image {
-        id,
-        file_name: String::new(),
-        height: 0,
-        width: 0,
-        license: None,
-        coco_url: None,
-        flickr_url: None,
-        date_captured: None,
-        neg_category_ids: Vec::new(),
-        not_exhaustive_category_ids: Vec::new(),
-        extra: Extra::default(),
-    });
-    let of_run = (0u64..).zip(&labels.categories);
-    let of_run = of_run.skip(categories.start).take(categories.len());
-    let kinds = of_run.map(|(id, category)| Category {
-        id,
-        name: category.name.clone(),
-        supercategory: None,
-        skeleton: None,
-        keypoints: None,
-        frequency: None,
-        isthing: None,
-        extra: Extra::default(),
-    });
-    let objects = labels.objects.iter().enumerate();
-    let objects = objects.filter(|(_, object)| is_in(object.category));
-    let objects = objects.map(|(idx, object)| {
-        let value = restriction.and_then(|r| r.objects.get(idx)).copied();
-        Annotation {
-            id: number_of(idx),
-            image_id: u64::from(object.image),
-            category_id: u64::from(object.category),
-            bbox: Some(numbers(&object.box_px)),
-            area: Some(match object.kind {
-                // In no range: found once without error, and not to be found.
-                ObjectKind::Ignored => f64::NEG_INFINITY,
-                // One with an area below 0 is in no range of areas, so in none of other values either.
-                _ if object.area_px2 < 0.0 => value.map_or(object.area_px2, |_| f64::NEG_INFINITY),
-                _ => value.unwrap_or(object.area_px2),
-            }),
-            iscrowd: object.kind == ObjectKind::Crowd,
-            ..blank()
+
+    /// Those that count, of the labels or groups of them.
+    pub(crate) fn categories(&self) -> &'a [crate::Category] {
+        let own = &self.labels.categories;
+        self.pooling.map_or(own, |pooling| &pooling.categories)
+    }
+
+    pub(crate) fn n_categories(&self) -> usize {
+        self.categories().len()
+    }
+
+    /// Detections of each category.
+    fn counts(&self) -> Vec<usize> {
+        let mut counts = vec![0; self.n_categories()];
+        for detection in &self.detections.items {
+            let idx = usize::try_from(self.category(detection.category)).unwrap_or(usize::MAX);
+            if let Some(count) = counts.get_mut(idx) {
+                *count += 1;
+            }
         }
-    });
-    let found = detections.items.iter().enumerate();
-    let found = found.filter(|(_, detection)| is_in(detection.category));
-    let found = found.map(|(idx, detection)| {
-        let value = restriction.and_then(|r| r.detections.get(idx)).copied();
-        Annotation {
-            id: number_of(idx),
-            image_id: u64::from(detection.image),
-            category_id: u64::from(detection.category),
-            bbox: Some(numbers(&detection.box_px)),
-            area: Some(value.unwrap_or_else(|| detection.box_px.area_px2())),
-            score: Some(detection.score),
-            ..blank()
+        counts
+    }
+
+    /// The one as which an object or a detection counts.
+    pub(crate) fn category(&self, own: u32) -> u32 {
+        self.pooling.map_or(own, |pooling| pooling.group(own))
+    }
+
+    /// What became of those of some categories, one entry per image and category that has any.
+    ///
+    /// # Errors
+    /// As [`match_images`].
+    pub(crate) fn matches(
+        &self,
+        rule: &MatchRule<'_>,
+        categories: &Range<usize>,
+    ) -> Result<Vec<ImageMatches>, EvalError> {
+        let threshold = rule.iou_threshold;
+        if !(0.0..=1.0).contains(&threshold) {
+            return Err(EvalError::StatisticSetting {
+                what: "threshold of overlap",
+                value: threshold,
+                range: "from 0 to 1",
+            });
         }
-    });
-    let n_objects = labels.objects.iter().filter(|o| is_in(o.category)).count();
-    let n_found = detections
-        .items
-        .iter()
-        .filter(|d| is_in(d.category))
-        .count();
-    let set = |images: Vec<Image>, categories: Vec<Category>, annotations: Vec<Annotation>| {
-        let dataset = Dataset {
-            info: None,
-            images,
-            annotations,
-            categories,
-            licenses: Vec::new(),
+        let range = rule.region.map_or([0.0, 1e10], |region| region.range);
+        let mut engine = self.engine(rule.region.as_ref(), categories)?;
+        engine.params.iou_thrs = vec![threshold];
+        engine.params.max_dets = vec![usize::try_from(rule.max_detections).unwrap_or(usize::MAX)];
+        engine.params.area_ranges = vec![EngineRange {
+            label: "all".to_owned(),
+            range,
+        }];
+        run(&mut engine)?;
+        let cells = engine.eval_imgs().iter().flatten();
+        Ok(cells.map(|cell| self.of_cell(cell)).collect())
+    }
+
+    /// The engine with labels and detections of these categories, to be set up and run.
+    ///
+    /// Images and categories go by their places, objects and detections by their places plus one, as 0
+    /// is no number to pycocotools.
+    pub(super) fn engine(
+        &self,
+        restriction: Option<&Restriction<'_>>,
+        categories: &Range<usize>,
+    ) -> Result<COCOeval, EvalError> {
+        let (labels, detections) = (self.labels, self.detections);
+        let category_in = |own: u32| {
+            let category = self.category(own);
+            let is_in = usize::try_from(category).is_ok_and(|c| categories.contains(&c));
+            is_in.then_some(u64::from(category))
         };
-        Arc::new(COCO::from_dataset(dataset))
-    };
-    let truth = set(
-        images.collect(),
-        kinds.collect(),
-        gathered(objects, n_objects),
-    );
-    let said = set(Vec::new(), Vec::new(), gathered(found, n_found));
-    Ok(COCOeval::new(truth, said, IouType::Bbox))
+        if let Some(restriction) = restriction {
+            restriction.check(labels.objects.len(), detections.items.len())?;
+        }
+        let images = (0u64..).zip(&labels.images).map(|(id, _)| Image {
+            id,
+            file_name: String::new(),
+            height: 0,
+            width: 0,
+            license: None,
+            coco_url: None,
+            flickr_url: None,
+            date_captured: None,
+            neg_category_ids: Vec::new(),
+            not_exhaustive_category_ids: Vec::new(),
+            extra: Extra::default(),
+        });
+        let of_run = (0u64..).zip(self.categories());
+        let of_run = of_run.skip(categories.start).take(categories.len());
+        let kinds = of_run.map(|(id, category)| Category {
+            id,
+            name: category.name.clone(),
+            supercategory: None,
+            skeleton: None,
+            keypoints: None,
+            frequency: None,
+            isthing: None,
+            extra: Extra::default(),
+        });
+        let objects = labels.objects.iter().enumerate();
+        let objects = objects.filter_map(|(idx, object)| {
+            let value = restriction.and_then(|r| r.objects.get(idx)).copied();
+            Some(Annotation {
+                id: number_of(idx),
+                image_id: u64::from(object.image),
+                category_id: category_in(object.category)?,
+                bbox: Some(numbers(&object.box_px)),
+                area: Some(match object.kind {
+                    // In no range: found once without error, and not to be found.
+                    ObjectKind::Ignored => f64::NEG_INFINITY,
+                    // One with an area below 0 is in no range of areas, so in none of other values either.
+                    _ if object.area_px2 < 0.0 => {
+                        value.map_or(object.area_px2, |_| f64::NEG_INFINITY)
+                    }
+                    _ => value.unwrap_or(object.area_px2),
+                }),
+                iscrowd: object.kind == ObjectKind::Crowd,
+                ..blank()
+            })
+        });
+        let found = detections.items.iter().enumerate();
+        let found = found.filter_map(|(idx, detection)| {
+            let value = restriction.and_then(|r| r.detections.get(idx)).copied();
+            Some(Annotation {
+                id: number_of(idx),
+                image_id: u64::from(detection.image),
+                category_id: category_in(detection.category)?,
+                bbox: Some(numbers(&detection.box_px)),
+                area: Some(value.unwrap_or_else(|| detection.box_px.area_px2())),
+                score: Some(detection.score),
+                ..blank()
+            })
+        });
+        let is_in = |own: u32| category_in(own).is_some();
+        let n_objects = labels.objects.iter().filter(|o| is_in(o.category)).count();
+        let said = detections.items.iter();
+        let n_found = said.filter(|d| is_in(d.category)).count();
+        let set = |images: Vec<Image>, categories: Vec<Category>, annotations: Vec<Annotation>| {
+            let dataset = Dataset {
+                info: None,
+                images,
+                annotations,
+                categories,
+                licenses: Vec::new(),
+            };
+            Arc::new(COCO::from_dataset(dataset))
+        };
+        let truth = set(
+            images.collect(),
+            kinds.collect(),
+            gathered(objects, n_objects),
+        );
+        let said = set(Vec::new(), Vec::new(), gathered(found, n_found));
+        Ok(COCOeval::new(truth, said, IouType::Bbox))
+    }
+
+    /// What became of the detections and objects of a cell, at its one threshold.
+    fn of_cell(&self, cell: &EvalImg) -> ImageMatches {
+        let (labels, detections) = (self.labels, self.detections);
+        let box_of_object = |object: u32| {
+            let idx = usize::try_from(object).unwrap_or(usize::MAX);
+            labels.objects.get(idx).map(|object| object.box_px)
+        };
+        let outcome_of = |rank: usize, detection: u32| {
+            if cell.dt_ignore[(0, rank)] {
+                return Outcome::Ignored;
+            }
+            if !cell.dt_matched[(0, rank)] {
+                return Outcome::FalsePositive;
+            }
+            let object = place_of(cell.dt_matches[(0, rank)]);
+            let idx = usize::try_from(detection).unwrap_or(usize::MAX);
+            let boxes = box_of_object(object).zip(detections.items.get(idx));
+            Outcome::TruePositive {
+                object,
+                iou: boxes.map_or(0.0, |(object, said)| object.iou(&said.box_px)),
+            }
+        };
+        let said = cell.dt_ids.iter().zip(&cell.dt_scores).enumerate();
+        let objects = cell.gt_ids.iter().zip(&cell.gt_ignore).enumerate();
+        let small = |id: u64| u32::try_from(id).unwrap_or(u32::MAX);
+        ImageMatches {
+            image: small(cell.image_id),
+            category: small(cell.category_id),
+            detections: said
+                .map(|(rank, (id, score))| MatchedDetection {
+                    detection: place_of(*id),
+                    score: *score,
+                    outcome: outcome_of(rank, place_of(*id)),
+                })
+                .collect(),
+            objects: objects
+                .map(|(idx, (id, is_ignored))| MatchedObject {
+                    object: place_of(*id),
+                    is_ignored: *is_ignored,
+                    detection: cell.gt_matched[(0, idx)]
+                        .then(|| place_of(cell.gt_matches[(0, idx)])),
+                })
+                .collect(),
+        }
+    }
 }
 
 /// The annotations in room that is taken once, as they are large.
@@ -265,49 +376,5 @@ fn blank() -> Annotation {
         score: None,
         is_group_of: None,
         extra: Extra::default(),
-    }
-}
-
-/// What became of the detections and objects of a cell, at its one threshold.
-fn of_cell(labels: &LabelSet, detections: &Detections, cell: &EvalImg) -> ImageMatches {
-    let box_of_object = |object: u32| {
-        let idx = usize::try_from(object).unwrap_or(usize::MAX);
-        labels.objects.get(idx).map(|object| object.box_px)
-    };
-    let outcome_of = |rank: usize, detection: u32| {
-        if cell.dt_ignore[(0, rank)] {
-            return Outcome::Ignored;
-        }
-        if !cell.dt_matched[(0, rank)] {
-            return Outcome::FalsePositive;
-        }
-        let object = place_of(cell.dt_matches[(0, rank)]);
-        let idx = usize::try_from(detection).unwrap_or(usize::MAX);
-        let boxes = box_of_object(object).zip(detections.items.get(idx));
-        Outcome::TruePositive {
-            object,
-            iou: boxes.map_or(0.0, |(object, said)| object.iou(&said.box_px)),
-        }
-    };
-    let said = cell.dt_ids.iter().zip(&cell.dt_scores).enumerate();
-    let objects = cell.gt_ids.iter().zip(&cell.gt_ignore).enumerate();
-    let small = |id: u64| u32::try_from(id).unwrap_or(u32::MAX);
-    ImageMatches {
-        image: small(cell.image_id),
-        category: small(cell.category_id),
-        detections: said
-            .map(|(rank, (id, score))| MatchedDetection {
-                detection: place_of(*id),
-                score: *score,
-                outcome: outcome_of(rank, place_of(*id)),
-            })
-            .collect(),
-        objects: objects
-            .map(|(idx, (id, is_ignored))| MatchedObject {
-                object: place_of(*id),
-                is_ignored: *is_ignored,
-                detection: cell.gt_matched[(0, idx)].then(|| place_of(cell.gt_matches[(0, idx)])),
-            })
-            .collect(),
     }
 }

@@ -7,7 +7,9 @@ mod engine;
 mod kitti;
 
 pub(crate) use bdd::{bdd_detections, bdd_labels};
+pub(crate) use coco::evaluate_boxes;
 pub(crate) use curve::{exact, mean_in_numpy_order};
+pub(crate) use engine::{Boxes, runs_of_categories, sort};
 
 pub use coco::{AreaRange, CocoEvaluation, CocoParams, evaluate_coco};
 pub use curve::{PrecisionCurve, RankedMatches, average_precision};

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::draws::Draw;
 use super::paired::{PairedPrecision, PairedPrecisions};
 use super::permutation::permuted_draws;
-use super::ranked::{N_SIDE_BY_SIDE, Ranked, SideBySide, rank_by_category, rank_versions};
+use super::ranked::{N_SIDE_BY_SIDE, Ranked, RankedCategory, SideBySide, rank_run};
 use super::{Basis, Permuted, Plan, Replicates};
 use crate::EvalError;
 use crate::matching::ImageMatches;
@@ -47,6 +47,34 @@ pub(super) struct Sides<R> {
     pub(super) cracked: Vec<R>,
     /// Over cells, image times 2, plus 1 for the cracked one.
     pub(super) both: Vec<R>,
+}
+
+impl Sides<RankedCategory> {
+    /// Of no category yet, if the plan can be carried out.
+    fn under(plan: &Plan) -> Result<Self, EvalError> {
+        plan.check()?;
+        Ok(Self {
+            clean: Vec::new(),
+            cracked: Vec::new(),
+            both: Vec::new(),
+        })
+    }
+
+    /// Takes the next categories, all of whose matches are given.
+    fn rank(
+        &mut self,
+        versions: [&[ImageMatches]; 2],
+        categories: Range<usize>,
+        plan: &Plan,
+    ) -> Result<(), EvalError> {
+        check_images(&versions, plan)?;
+        let [clean, cracked] = versions;
+        self.clean.extend(rank_run(&[clean], categories.clone()));
+        self.cracked
+            .extend(rank_run(&[cracked], categories.clone()));
+        self.both.extend(rank_run(&versions, categories));
+        Ok(())
+    }
 }
 
 impl<R: Ranked> Sides<R> {
@@ -98,13 +126,25 @@ impl DrawnPrecisions {
         n_categories: usize,
         plan: &Plan,
     ) -> Result<Self, EvalError> {
-        plan.check()?;
-        check_images(&[clean, cracked], plan)?;
-        let sides = Sides {
-            clean: rank_by_category(clean, n_categories),
-            cracked: rank_by_category(cracked, n_categories),
-            both: rank_versions(&[clean, cracked], n_categories),
-        };
+        let mut sides = Sides::under(plan)?;
+        sides.rank([clean, cracked], 0..n_categories, plan)?;
+        Ok(Self::of(&sides, plan))
+    }
+
+    /// The same of categories in runs, whose matches, clean and cracked, are there one run after the other.
+    ///
+    /// # Errors
+    /// As [`DrawnPrecisions::of_matches`], and those of the matches.
+    pub(crate) fn of_runs(
+        runs: Vec<Range<usize>>,
+        plan: &Plan,
+        mut matches: impl FnMut(&Range<usize>) -> Result<[Vec<ImageMatches>; 2], EvalError>,
+    ) -> Result<Self, EvalError> {
+        let mut sides = Sides::under(plan)?;
+        for run in runs {
+            let [clean, cracked] = matches(&run)?;
+            sides.rank([&clean, &cracked], run, plan)?;
+        }
         Ok(Self::of(&sides, plan))
     }
 

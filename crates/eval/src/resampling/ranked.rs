@@ -1,6 +1,7 @@
 //! Average precision of weighted images, from detections sorted once.
 
 use std::array::from_fn;
+use std::ops::Range;
 
 use crate::matching::{ImageMatches, Outcome};
 use crate::protocol::mean_in_numpy_order;
@@ -89,18 +90,26 @@ pub fn rank_by_category(matches: &[ImageMatches], n_categories: usize) -> Vec<Ra
 /// number times the number of versions, plus that of its version.
 #[must_use]
 pub fn rank_versions(versions: &[&[ImageMatches]], n_categories: usize) -> Vec<RankedCategory> {
+    rank_run(versions, 0..n_categories)
+}
+
+/// The same of some categories, which all matches are of.
+pub(super) fn rank_run(
+    versions: &[&[ImageMatches]],
+    categories: Range<usize>,
+) -> Vec<RankedCategory> {
     let n_versions = u32::try_from(versions.len()).unwrap_or(u32::MAX);
-    let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); n_categories];
+    let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); categories.len()];
     for (matches, version) in versions.iter().zip(0..) {
         for item in *matches {
-            if let Some(list) = by_category.get_mut(item.category as usize) {
+            let place = (item.category as usize).checked_sub(categories.start);
+            if let Some(list) = place.and_then(|place| by_category.get_mut(place)) {
                 list.push((item, item.image * n_versions + version));
             }
         }
     }
-    by_category
-        .into_iter()
-        .zip(0..)
+    let categories = categories.map(|it| u32::try_from(it).unwrap_or(u32::MAX));
+    (by_category.into_iter().zip(categories))
         .map(|(cells, category)| RankedCategory::new(category, cells))
         .collect()
 }

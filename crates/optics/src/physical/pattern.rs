@@ -14,7 +14,8 @@ use crate::interface::gap::GapTable;
 use crate::lens::Lens;
 use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
-    Drops, Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
+    Drops, Facets, KeptDrops, LANES, LightFrom, N_SHARES, SeenBy, SheetView, crack_facets,
+    fragment_facets, hit_facets,
 };
 use crate::{OpticsError, View};
 
@@ -137,10 +138,33 @@ impl Pattern {
     /// # Errors
     /// As for [`bake`].
     pub fn behind(
-        mut self,
+        self,
         deposit: &Deposit,
         view: &View,
         optics: &PhysicalOptics,
+    ) -> Result<Self, OpticsError> {
+        self.behind_some(deposit, (view, optics), None)
+    }
+
+    /// The same, with what is known of drops that were there before.
+    ///
+    /// # Errors
+    /// As for [`bake`].
+    pub fn behind_kept(
+        self,
+        deposit: &Deposit,
+        view: &View,
+        optics: &PhysicalOptics,
+        kept: &KeptDrops,
+    ) -> Result<Self, OpticsError> {
+        self.behind_some(deposit, (view, optics), Some(kept))
+    }
+
+    fn behind_some(
+        mut self,
+        deposit: &Deposit,
+        (view, optics): (&View, &PhysicalOptics),
+        kept: Option<&KeptDrops>,
     ) -> Result<Self, OpticsError> {
         optics.check()?;
         let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
@@ -151,7 +175,18 @@ impl Pattern {
         let from = light_from(&sheet, optics, &gaps);
         let pupil_reach = Pupil::of(&optics.lens).reach();
         let reaches = (reach_px(&sheet, pupil_reach), pupil_reach);
-        let drops = Drops::of(&from, &deposit.caps, reaches);
+        let caps = &deposit.caps;
+        let by = SeenBy {
+            view: *view,
+            lens: optics.lens,
+            glass: optics.glass,
+            environment: optics.environment,
+        };
+        let mut looked = kept.map(|kept| kept.look_for(caps, by));
+        let drops = Drops::of(&from, caps, reaches, looked.as_mut());
+        if let Some((kept, looked)) = kept.zip(looked) {
+            kept.keep(looked, by);
+        }
         let light = self.spread(&[], &drops.all(), &optics.lens);
         let layer = self.layer_of(light, &[], (&optics.lens, Spread::Squares));
         self.layers.splice(0..0, layer);

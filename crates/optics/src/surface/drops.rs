@@ -1,9 +1,12 @@
 //! Drops of water on the outer face: lenses that show the scene small and upside down.
 
+use std::sync::Arc;
+
 use starbreak_deposit::{Cap, RoundPlace};
 
 use super::drawn_drop::{DrawnDrop, Seen};
 use super::glimpse::Glimpses;
+use super::kept_drops::{Looked, Shown};
 use super::lobe::{Before, HELD, LANES, LightFrom, Sent};
 use super::small_drop::SmallDrop;
 use crate::interface::fresnel::{reflectance, reflectance_at};
@@ -26,51 +29,91 @@ pub(super) const LEAST_PX: f64 = 0.12;
 /// Drops as they are drawn: those of which parts are seen, and all others.
 #[derive(Default)]
 pub(crate) struct Drops<'a> {
-    traced: Vec<DrawnDrop<'a>>,
-    small: Vec<SmallDrop>,
+    traced: Vec<Seeable<'a>>,
+    small: Vec<Seeable<'a>>,
+}
+
+/// A drop that is seen.
+pub(super) enum Seeable<'a> {
+    Traced(DrawnDrop<'a>),
+    Small(SmallDrop),
+    /// As it was seen before.
+    Kept(Arc<Shown>),
 }
 
 impl<'a> Drops<'a> {
     /// All that reach into the frame, blurred by a pupil that reaches so many of its radii from its middle; those that are
-    /// farther from the frame than `reach_px` do not.
+    /// farther from the frame than `reach_px` do not. Those that are kept are not traced again, and what is traced of others
+    /// is kept.
     pub(crate) fn of(
         from: &'a LightFrom<'a>,
         caps: &[Cap],
         (reach_px, pupil_reach): (f64, f64),
+        mut kept: Option<&mut Looked>,
     ) -> Self {
-        let mut glimpses: Vec<(u64, Glimpses<'_>)> = Vec::new();
         let mut drops = Self::default();
-        for cap in caps {
-            let Some(seen) = Seen::of(cap, from.sheet, reach_px) else {
-                continue;
-            };
-            let small = SmallDrop::of(&seen, |at_px, is_soft| {
-                let contact = cap.contact_rad.to_bits();
-                let known = glimpses.iter().position(|(of, _)| *of == contact);
-                let known = known.unwrap_or_else(|| {
-                    let water = Water::of(cap.contact_rad, from);
-                    glimpses.push((contact, Glimpses::of(water)));
-                    glimpses.len() - 1
+        let mut glimpses: Vec<(u64, Arc<Glimpses>)> = match &kept {
+            Some(kept) => kept.glimpses.clone(),
+            None => Vec::new(),
+        };
+        for (k, cap) in caps.iter().enumerate() {
+            let known = kept.as_mut().and_then(|kept| kept.known[k].take());
+            let drop = known.map(Seeable::Kept).or_else(|| {
+                let seen = Seen::of(cap, from.sheet, reach_px)?;
+                let small = SmallDrop::of(&seen, |at_px, is_soft| {
+                    let contact = cap.contact_rad.to_bits();
+                    let known = glimpses.iter().position(|(of, _)| *of == contact);
+                    let known = known.unwrap_or_else(|| {
+                        let all = Glimpses::of(&Water::of(cap.contact_rad, from));
+                        glimpses.push((contact, Arc::new(all)));
+                        glimpses.len() - 1
+                    });
+                    glimpses[known].1.at(at_px, is_soft)
                 });
-                glimpses[known].1.at(at_px, is_soft)
-            });
-            match small {
-                Some(small) => drops.small.push(small),
-                None => {
-                    let drop = Drop::of(*cap, from, seen.enters_mm);
-                    let drop = drop.and_then(|drop| DrawnDrop::of(drop, &seen, pupil_reach));
-                    drops.traced.extend(drop);
+                if let Some(small) = small {
+                    return Some(Seeable::Small(small));
                 }
-            }
+                let drop = Drop::of(*cap, from, seen.enters_mm)?;
+                let drawn = DrawnDrop::of(drop, &seen, pupil_reach)?;
+                Some(Seeable::Traced(drawn))
+            });
+            drops.extend(match &mut kept {
+                Some(kept) => kept.keep(cap, drop),
+                None => drop,
+            });
+        }
+        if let Some(kept) = kept {
+            kept.glimpses = glimpses;
         }
         drops
     }
 
+    fn extend(&mut self, drop: Option<Seeable<'a>>) {
+        match drop {
+            None => {}
+            Some(Seeable::Traced(_)) => self.traced.extend(drop),
+            Some(Seeable::Small(_)) => self.small.extend(drop),
+            Some(Seeable::Kept(ref shown)) => match **shown {
+                Shown::Traced(_) => self.traced.extend(drop),
+                Shown::Small(_) => self.small.extend(drop),
+                Shown::Nothing => {}
+            },
+        }
+    }
+
+    /// All, in an order that does not depend on what was kept.
     pub(crate) fn all(&self) -> Vec<&dyn Drawn<LANES>> {
-        let traced = self.traced.iter().map(|drop| drop as _);
-        traced
-            .chain(self.small.iter().map(|drop| drop as _))
-            .collect()
+        let all = self.traced.iter().chain(&self.small);
+        all.filter_map(|drop| match drop {
+            Seeable::Traced(drop) => Some(drop as &dyn Drawn<LANES>),
+            Seeable::Small(drop) => Some(drop),
+            Seeable::Kept(shown) => match &**shown {
+                Shown::Traced(drop) => Some(drop),
+                Shown::Small(drop) => Some(drop),
+                Shown::Nothing => None,
+            },
+        })
+        .collect()
     }
 }
 

@@ -14,7 +14,7 @@ const MOST_PLACES: u32 = 32;
 const RAYS: u32 = 20;
 
 /// What a drop shows about its middle, per lane.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Glimpse {
     mean: [f32; LANES],
     /// Change per radius to the right and down.
@@ -37,7 +37,7 @@ fn mean_and_slopes(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]>
     let sheet = water.from.sheet;
     let (_, sight) = sheet.behind(px, sheet.outer_mm())?;
     let sight = water.sight(sight);
-    let middle = middle_px(water);
+    let middle = middle_px(sheet.view().size());
     let (mut sums, mut squares) = ([[0.0; LANES]; 3], [0.0; 3]);
     let place = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(RAYS) - 1.0;
     for (x, y) in (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| (place(x), place(y)))) {
@@ -59,8 +59,7 @@ fn mean_and_slopes(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]>
 }
 
 /// The middle of the frame, px.
-fn middle_px(water: &Water<'_>) -> [f64; 2] {
-    let (width, height) = water.from.sheet.view().size();
+fn middle_px((width, height): (u32, u32)) -> [f64; 2] {
     [width, height].map(|side| 0.5 * f64::from(side))
 }
 
@@ -85,15 +84,17 @@ fn square_more(lanes: &[f64; LANES], px: [f64; 2], middle: [f64; 2]) -> f64 {
 }
 
 /// Glimpses of drops of one contact angle all over a frame.
-pub(super) struct Glimpses<'a> {
-    water: Water<'a>,
+#[derive(Debug)]
+pub(super) struct Glimpses {
+    /// Width and height of the frame, px.
+    frame: (u32, u32),
     /// Places from one side of the frame to the other and down.
     size: [u32; 2],
     known: Vec<Option<[[f64; LANES]; 3]>>,
 }
 
-impl<'a> Glimpses<'a> {
-    pub(super) fn of(water: Water<'a>) -> Self {
+impl Glimpses {
+    pub(super) fn of(water: &Water<'_>) -> Self {
         let sheet = water.from.sheet;
         let (width, height) = sheet.view().size();
         #[expect(
@@ -110,16 +111,20 @@ impl<'a> Glimpses<'a> {
             .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
             .map(|[x, y]| {
                 let px = [place(x, size[0], width), place(y, size[1], height)];
-                mean_and_slopes(&water, px)
+                mean_and_slopes(water, px)
             })
             .collect();
-        Self { water, size, known }
+        Self {
+            frame: (width, height),
+            size,
+            known,
+        }
     }
 
     /// Of a drop that appears at a place, px; beyond the frame that of its border. Where it is not blurred no share is below
     /// 0 anywhere on it. None where some of what is around it is not known.
     pub(super) fn at(&self, px: [f64; 2], is_blurred: bool) -> Option<Glimpse> {
-        let (width, height) = self.water.from.sheet.view().size();
+        let (width, height) = self.frame;
         let [(left, s), (top, t)] = [(0, width), (1, height)].map(|(k, side)| {
             let steps = self.size[k] - 1;
             let at = (px[k] / f64::from(side)).clamp(0.0, 1.0) * f64::from(steps);
@@ -144,7 +149,7 @@ impl<'a> Glimpses<'a> {
             }
         }
         for lanes in &mut all {
-            in_frame(lanes, px, middle_px(&self.water));
+            in_frame(lanes, px, middle_px(self.frame));
         }
         let [mean, mut right, mut down] = all;
         for (k, mean) in mean.iter().enumerate() {

@@ -14,6 +14,7 @@ mod drops;
 mod glimpse;
 mod grains;
 mod hit;
+mod kept_drops;
 mod lobe;
 mod params;
 mod relief;
@@ -29,6 +30,8 @@ mod wedge;
 pub(crate) use cracks::{Facets, crack_facets};
 pub(crate) use drops::Drops;
 pub(crate) use hit::hit_facets;
+pub use kept_drops::KeptDrops;
+pub(crate) use kept_drops::SeenBy;
 pub(crate) use lobe::{
     CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,
     N_SHARES, SQUARE, SUN, WIDTH, ZENITH,

@@ -24,7 +24,8 @@ const ACROSS: [(f64, f64); 3] = [
 ];
 
 /// A drop that is drawn as what a glimpse of it shows.
-pub(crate) struct SmallDrop {
+#[derive(Debug)]
+pub(super) struct SmallDrop {
     glimpse: Glimpse,
     blur_px: f64,
     /// Its middle, in cells.

@@ -20,7 +20,7 @@ pub(super) fn drops_fact(settings: &Settings, on_pane: Option<&OnPane>) -> Optio
 }
 
 /// What a record says of coats.
-fn coat_facts(settings: &Settings, screens: &[Screen]) -> Vec<(String, Value)> {
+fn coat_facts(settings: &Settings, screens: &[Arc<Screen>]) -> Vec<(String, Value)> {
     let coats = settings.coats.iter().zip(screens);
     coats
         .map(|(coat, screen)| report::coat_to_json(coat, screen))
@@ -34,7 +34,8 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub fn coated(mut self, seed: Seed) -> Result<Self, Error> {
-        self.screens = screens_of(&self.settings, self.size(), seed, 0.0, |_| true)?;
+        let screens = screens_of(&self.settings, &self.settings.coats, self.size(), seed)?;
+        self.screens = screens.into_iter().map(Arc::new).collect();
         self.coat_seed = Some(seed);
         let facts = coat_facts(&self.settings, &self.screens);
         self.facts.extend(facts);
@@ -103,11 +104,13 @@ impl Chain {
             Origin::Photo(_) | Origin::Stored => self.coat_seed.unwrap_or(Seed(0)),
         };
         let on_pane = if rains {
-            deposit_of(&settings, size, seed, after_s)?.map(Arc::new)
+            deposit_of(&settings, size, seed, (after_s, Some(&self.kept)))?.map(Arc::new)
         } else {
             self.on_pane.clone()
         };
-        let on = on_pane.as_deref();
+        // Under a sun that turns each drop glints otherwise in each frame.
+        let kept = Some(&*self.kept).filter(|_| !sun_turns);
+        let on = on_pane.as_deref().map(|on| (on, kept));
         let layer = match (&self.origin, growth) {
             (_, None) => PaneLayer::whole(&settings, size, on)?,
             (Origin::Network(cracks), Some(time)) if rains || sun_turns || time.is_finite() => {
@@ -120,12 +123,14 @@ impl Chain {
         };
         let screens = match self.coat_seed {
             Some(seed) => {
-                let mut grown =
-                    screens_of(&settings, size, seed, after_s, Coat::grows)?.into_iter();
+                let growing = settings.coats.iter().filter(|coat| coat.grows());
+                let grown: Vec<Coat> = growing.map(|coat| coat.later(after_s)).collect();
+                let find = |new: &[Coat]| screens_of(&settings, new, size, seed);
+                let mut grown = self.kept.coats(&grown, seed, find)?.into_iter();
                 let coats = settings.coats.iter().zip(&self.screens);
-                let each = coats.map(|(coat, screen)| match coat.grows() {
-                    true => grown.next().unwrap_or_else(|| screen.clone()),
-                    false => screen.clone(),
+                let each = coats.map(|(coat, screen)| {
+                    let grown = if coat.grows() { grown.next() } else { None };
+                    grown.unwrap_or_else(|| Arc::clone(screen))
                 });
                 each.collect()
             }
@@ -144,6 +149,7 @@ impl Chain {
             origin: Origin::Stored,
             facts,
             is_glass_intact: self.is_glass_intact,
+            kept: Arc::default(),
         })
     }
 }

@@ -12,6 +12,7 @@ use starbreak_optics::screens::Screen;
 use starbreak_optics::{Coverage, View};
 use starbreak_seed::Seed;
 
+use super::kept::Kept;
 use crate::photo::PlacedPhoto;
 use crate::{Error, OpticsSettings, Scene, Settings};
 
@@ -44,7 +45,11 @@ pub(super) struct OnPane {
     view: View,
 }
 
-/// What lies on the pane of some settings, so many seconds after the beginning; the seed places it.
+/// What lies on a pane, with what is known of it from frames before.
+pub(super) type OnPaneKept<'a> = (&'a OnPane, Option<&'a Kept>);
+
+/// What lies on the pane of some settings, so many seconds after the beginning, with what is known from before; the seed
+/// places it.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
@@ -52,7 +57,7 @@ pub(super) fn deposit_of(
     settings: &Settings,
     size_px: (u32, u32),
     seed: Seed,
-    after_s: f64,
+    (after_s, kept): (f64, Option<&Kept>),
 ) -> Result<Option<OnPane>, Error> {
     let Some(rain) = &settings.drops else {
         return Ok(None);
@@ -74,7 +79,10 @@ pub(super) fn deposit_of(
     };
     // Drops run down from above.
     let area = scene.seen_area(&view, 0.4);
-    let n_drops = rain.n_landing(&area);
+    let n_drops = match kept {
+        Some(kept) => kept.n_landing(&rain, &area, seed),
+        None => rain.n_landing(&area),
+    };
     if n_drops > MOST_DROPS {
         let most = MOST_DROPS;
         let way_out = what_to_lower(&rain);
@@ -85,7 +93,10 @@ pub(super) fn deposit_of(
         });
     }
     Ok(Some(OnPane {
-        deposit: rain.on_pane(&area, seed),
+        deposit: match kept {
+            Some(kept) => kept.rain(&rain, &area, seed),
+            None => rain.on_pane(&area, seed),
+        },
         area,
         view,
     }))
@@ -104,19 +115,17 @@ fn what_to_lower(rain: &Rain) -> String {
     }
 }
 
-/// Those coats on the pane of some settings before frames of a size that are asked for, so many seconds after the
-/// beginning; the seed places them.
+/// Some coats on the pane of some settings before frames of a size; the seed places them.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing.
 pub(super) fn screens_of(
     settings: &Settings,
+    coats: &[Coat],
     size_px: (u32, u32),
     seed: Seed,
-    after_s: f64,
-    is_asked: impl Fn(&Coat) -> bool,
 ) -> Result<Vec<Screen>, Error> {
-    if !settings.coats.iter().any(&is_asked) {
+    if coats.is_empty() {
         return Ok(Vec::new());
     }
     let scene = Scene::of(settings, size_px);
@@ -134,10 +143,9 @@ pub(super) fn screens_of(
     // A dashboard hides where the pane ends.
     let last_px = (view.dashboard()).row_px(0.5 * width, size_px);
     let end_mm = view.unproject([0.5 * width, last_px]).unwrap_or(area.to_mm)[1];
-    let coats = settings.coats.iter().filter(|coat| is_asked(coat));
-    Ok(coats
+    Ok((coats.iter())
         .map(|coat| {
-            let coat = coat.later(after_s).seen_from(axis_mm, end_mm);
+            let coat = coat.seen_from(axis_mm, end_mm);
             let coating = coat.on_pane(&area, finest_mm, seed);
             Screen::of(&*coating, &view, &optic)
         })
@@ -156,9 +164,10 @@ impl PaneLayer {
         size_px: (u32, u32),
         seed: Seed,
     ) -> Result<Self, Error> {
-        let on_pane = deposit_of(settings, size_px, seed, 0.0)?;
+        let on_pane = deposit_of(settings, size_px, seed, (0.0, None))?;
         let network = (network, time);
-        Self::of_network_under(settings, network, size_px, on_pane.as_ref(), seed)
+        let on = on_pane.as_ref().map(|on| (on, None));
+        Self::of_network_under(settings, network, size_px, on, seed)
     }
 
     /// The same with what lies on the pane.
@@ -166,11 +175,11 @@ impl PaneLayer {
         settings: &Settings,
         (network, time): (&CrackNetwork, f64),
         size_px: (u32, u32),
-        on_pane: Option<&OnPane>,
+        on_pane: Option<OnPaneKept<'_>>,
         seed: Seed,
     ) -> Result<Self, Error> {
         let view = Scene::of(settings, size_px).of_network(network)?;
-        let drops = on_pane.map(|on| (on.deposit.caps.as_slice(), &on.view));
+        let drops = on_pane.map(|(on, _)| (on.deposit.caps.as_slice(), &on.view));
         settings.may_show(network, &view, drops)?;
         Self::baked(settings, (network, time), &view, on_pane, seed)
     }
@@ -182,7 +191,7 @@ impl PaneLayer {
     pub(super) fn whole(
         settings: &Settings,
         size_px: (u32, u32),
-        on_pane: Option<&OnPane>,
+        on_pane: Option<OnPaneKept<'_>>,
     ) -> Result<Self, Error> {
         let none = CrackNetwork::without_cracks(size_px.0, size_px.1);
         let scene = Scene::of(settings, size_px);
@@ -197,7 +206,7 @@ impl PaneLayer {
         settings: &Settings,
         (network, time): (&CrackNetwork, f64),
         view: &View,
-        on_pane: Option<&OnPane>,
+        on_pane: Option<OnPaneKept<'_>>,
         seed: Seed,
     ) -> Result<Self, Error> {
         let optics = match &settings.optics {
@@ -208,7 +217,10 @@ impl PaneLayer {
         };
         let pattern = bake(network, time, view, optics, seed)?;
         Ok(Self::Baked(match on_pane {
-            Some(on) => pattern.behind(&on.deposit, &on.view, optics)?,
+            Some((on, Some(kept))) => {
+                pattern.behind_kept(&on.deposit, &on.view, optics, &kept.drops)?
+            }
+            Some((on, None)) => pattern.behind(&on.deposit, &on.view, optics)?,
             None => pattern,
         }))
     }

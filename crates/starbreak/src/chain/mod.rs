@@ -5,6 +5,7 @@
 //! and patterns out of a bank become chains, too.
 
 mod deposits;
+mod kept;
 mod layer;
 mod lit;
 mod live;
@@ -29,6 +30,7 @@ use crate::{
 };
 
 use deposits::drops_fact;
+use kept::Kept;
 pub use layer::PaneLayer;
 use layer::{OnPane, deposit_of};
 use lit::Glass;
@@ -63,12 +65,13 @@ pub struct Chain {
     /// What lies on the pane, where that is known.
     on_pane: Option<Arc<OnPane>>,
     /// Coats on the glass, in the order of the settings, and what places them.
-    screens: Vec<Screen>,
+    screens: Vec<Arc<Screen>>,
     coat_seed: Option<Seed>,
     origin: Origin,
     facts: Map<String, Value>,
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
     is_glass_intact: bool,
+    kept: Arc<Kept>,
 }
 
 /// No light at all.
@@ -110,9 +113,10 @@ impl Chain {
             timings,
         } = simulated;
         watch.append(timings);
-        let on_pane = deposit_of(settings, size_px, seed, 0.0)?;
+        let on_pane = deposit_of(settings, size_px, seed, (0.0, None))?;
         let whole = (&network, f64::INFINITY);
-        let layer = PaneLayer::of_network_under(settings, whole, size_px, on_pane.as_ref(), seed)?;
+        let on = on_pane.as_ref().map(|on| (on, None));
+        let layer = PaneLayer::of_network_under(settings, whole, size_px, on, seed)?;
         watch.lap(layer.stage());
         let mut facts = match details {
             Details::None => Map::new(),
@@ -178,6 +182,7 @@ impl Chain {
             origin: Origin::Stored,
             facts,
             is_glass_intact,
+            kept: Arc::default(),
         };
         chain.with_faults()
     }
@@ -209,7 +214,7 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
     pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Result<Self, Error> {
-        let on_pane = deposit_of(&self.settings, self.size(), seed, 0.0)?;
+        let on_pane = deposit_of(&self.settings, self.size(), seed, (0.0, None))?;
         let cracks = Cracks {
             network,
             details: None,
@@ -231,7 +236,7 @@ impl Chain {
         match &self.origin {
             Origin::Network(cracks) => {
                 let network = (&cracks.network, time);
-                let on_pane = self.on_pane.as_deref();
+                let on_pane = self.on_pane.as_deref().map(|on| (on, Some(&*self.kept)));
                 PaneLayer::of_network_under(
                     &self.settings,
                     network,
@@ -275,7 +280,8 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub fn before_impact(&self) -> Result<PaneLayer, Error> {
-        PaneLayer::whole(&self.settings, self.size(), self.on_pane.as_deref())
+        let on_pane = self.on_pane.as_deref().map(|on| (on, Some(&*self.kept)));
+        PaneLayer::whole(&self.settings, self.size(), on_pane)
     }
 
     /// Camera, optics and output.
@@ -293,7 +299,7 @@ impl Chain {
     /// Whether nothing is damaged: the glass is whole, and the camera has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        let is_clean = self.screens.iter().all(Screen::is_nothing);
+        let is_clean = self.screens.iter().all(|screen| screen.is_nothing());
         let faults = self.settings.faults.as_ref();
         self.is_glass_intact && is_clean && faults.is_none_or(CameraFaults::is_empty)
     }

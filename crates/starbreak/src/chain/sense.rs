@@ -1,5 +1,7 @@
 //! What a camera with a fault makes of an image.
 
+use std::sync::Arc;
+
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
@@ -80,7 +82,7 @@ impl<'a> Behind<'a> {
     /// Of some settings and their coats under a light, for frames of a size, px.
     pub(super) fn of(
         settings: &'a Settings,
-        screens: &'a [Screen],
+        screens: &'a [Arc<Screen>],
         light: Environment,
         size: (u32, u32),
     ) -> Self {

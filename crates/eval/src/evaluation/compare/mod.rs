@@ -14,10 +14,10 @@ use crate::evaluation::{
     Counts, Estimate, Group, GroupAp, GroupKind, KittiAp, PairedMetric, PairedRow, PrecisionCurves,
     ProtocolResults, Scope, ScopeKind,
 };
+use crate::protocol::{Boxes, evaluate_boxes};
 use crate::{
     AreaRange, CocoEvaluation, CocoParams, CoverageOf, Coverages, EvalError, GroundTruth,
-    KittiCurve, LabelSet, Protocol, RegionMasks, SaidDetections, Size, Subset, evaluate_coco,
-    evaluate_kitti,
+    KittiCurve, Protocol, RegionMasks, SaidDetections, Size, Subset, evaluate_coco, evaluate_kitti,
 };
 
 /// How to compare.
@@ -172,7 +172,7 @@ fn groups(
             ap75,
         }
     };
-    let counts = objects_per_category(labels, labels.objects.iter().map(|o| o.category));
+    let counts = objects_per_category(Boxes::of(labels, &said.detections));
     let all: Vec<usize> = (0..coco.n_categories).collect();
     let mut rows = vec![row(
         coco,
@@ -186,11 +186,6 @@ fn groups(
         return Ok(rows);
     }
     if let Some(pooling) = labels.by_supercategory() {
-        let pooled = LabelSet {
-            images: labels.images.clone(),
-            objects: pooling.objects_of(labels),
-            categories: pooling.categories.clone(),
-        };
         let one = CocoParams {
             area_ranges: params
                 .coco
@@ -208,14 +203,17 @@ fn groups(
                 .collect(),
             ..params.coco.clone()
         };
-        let said = pooling.detections_of(&said.detections);
-        let pooled_coco = evaluate_coco(&pooled, &said, &one, None)?;
-        let counts = objects_per_category(&pooled, pooled.objects.iter().map(|o| o.category));
-        let every: Vec<usize> = (0..pooled.categories.len()).collect();
+        let pooled = Boxes {
+            pooling: Some(&pooling),
+            ..Boxes::of(labels, &said.detections)
+        };
+        let pooled_coco = evaluate_boxes(pooled, &one, None)?;
+        let counts = objects_per_category(pooled);
+        let every: Vec<usize> = (0..pooled.n_categories()).collect();
         let n = counts.iter().sum();
         let mean = Group::mean_of_supercategories();
         rows.push(row(&pooled_coco, mean, &every, 0, 0, n));
-        for (idx, (category, n)) in pooled.categories.iter().zip(counts).enumerate() {
+        for (idx, (category, n)) in pooling.categories.iter().zip(counts).enumerate() {
             let group = group_of(GroupKind::Supercategory, &category.name);
             rows.push(row(&pooled_coco, group, &[idx], 0, 0, n));
         }
@@ -237,10 +235,10 @@ fn group_of(kind: GroupKind, name: &str) -> Group {
 }
 
 /// Objects to be found of each category.
-fn objects_per_category(labels: &LabelSet, categories: impl Iterator<Item = u32>) -> Vec<u64> {
-    let mut counts = vec![0; labels.categories.len()];
-    for (object, category) in labels.objects.iter().zip(categories) {
-        let idx = usize::try_from(category).unwrap_or(usize::MAX);
+fn objects_per_category(boxes: Boxes<'_>) -> Vec<u64> {
+    let mut counts = vec![0; boxes.n_categories()];
+    for object in &boxes.labels.objects {
+        let idx = usize::try_from(boxes.category(object.category)).unwrap_or(usize::MAX);
         if let (true, Some(n)) = (object.is_to_be_found(), counts.get_mut(idx)) {
             *n += 1;
         }

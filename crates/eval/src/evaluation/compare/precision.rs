@@ -1,9 +1,10 @@
 //! Average precision inside of a part of a dataset, by the rules of MS-COCO: `region-ap/1`.
 
 use crate::evaluation::{Estimate, Group, GroupKind};
+use crate::protocol::{Boxes, evaluate_boxes};
 use crate::{
     AreaRange, CocoEvaluation, CocoParams, CoverageOf, Detections, EvalError, LabelSet, Subset,
-    SubsetValues, evaluate_coco,
+    SubsetValues,
 };
 
 /// Fewer objects than these, and there is no average precision.
@@ -52,7 +53,7 @@ impl Default for SubsetParams {
 /// subset must be [`Subset::WholeImage`], and sizes and coverages do not count.
 ///
 /// # Errors
-/// As [`Subset::values`] and [`evaluate_coco`].
+/// As [`Subset::values`] and [`evaluate_coco`](crate::evaluate_coco).
 pub fn subset_precision(
     labels: &LabelSet,
     detections: &Detections,
@@ -60,29 +61,15 @@ pub fn subset_precision(
     subset: &Subset,
     params: SubsetParams,
 ) -> Result<Vec<SubsetAp>, EvalError> {
-    let mut rows = one_kind(
-        labels,
-        detections,
-        coverage,
-        subset,
-        params,
-        GroupKind::Class,
-    )?;
+    let boxes = Boxes::of(labels, detections);
+    let values = subset.values(labels, detections, coverage)?;
+    let mut rows = one_kind(boxes, &values, params, GroupKind::Class)?;
     if let Some(pooling) = labels.by_supercategory() {
-        let pooled = LabelSet {
-            images: labels.images.clone(),
-            categories: pooling.categories.clone(),
-            objects: pooling.objects_of(labels),
+        let pooled = Boxes {
+            pooling: Some(&pooling),
+            ..boxes
         };
-        let said = pooling.detections_of(detections);
-        let groups = one_kind(
-            &pooled,
-            &said,
-            coverage,
-            subset,
-            params,
-            GroupKind::Supercategory,
-        )?;
+        let groups = one_kind(pooled, &values, params, GroupKind::Supercategory)?;
         // Behind the row of all; that of all groups is their mean.
         let groups = groups.into_iter().map(|row| match row.group.kind {
             GroupKind::All => SubsetAp {
@@ -99,7 +86,7 @@ pub fn subset_precision(
 /// The curves of a subset, with the one range that the subset is, and one number of detections.
 ///
 /// # Errors
-/// As [`Subset::values`] and [`evaluate_coco`].
+/// As [`Subset::values`] and [`evaluate_coco`](crate::evaluate_coco).
 pub fn subset_curves(
     labels: &LabelSet,
     detections: &Detections,
@@ -108,12 +95,11 @@ pub fn subset_curves(
     max_detections: u32,
 ) -> Result<CocoEvaluation, EvalError> {
     let values = subset.values(labels, detections, coverage)?;
-    curves_of(labels, detections, &values, max_detections)
+    curves_of(Boxes::of(labels, detections), &values, max_detections)
 }
 
 fn curves_of(
-    labels: &LabelSet,
-    detections: &Detections,
+    boxes: Boxes<'_>,
     values: &SubsetValues,
     max_detections: u32,
 ) -> Result<CocoEvaluation, EvalError> {
@@ -123,24 +109,22 @@ fn curves_of(
         area_ranges: vec![AreaRange::new("subset", restriction.range)],
         ..CocoParams::default()
     };
-    evaluate_coco(labels, detections, &coco, Some(&restriction))
+    evaluate_boxes(boxes, &coco, Some(&restriction))
 }
 
 fn one_kind(
-    labels: &LabelSet,
-    detections: &Detections,
-    coverage: CoverageOf<'_>,
-    subset: &Subset,
+    boxes: Boxes<'_>,
+    values: &SubsetValues,
     params: SubsetParams,
     kind: GroupKind,
 ) -> Result<Vec<SubsetAp>, EvalError> {
-    let values = subset.values(labels, detections, coverage)?;
-    let evaluation = curves_of(labels, detections, &values, params.max_detections)?;
-    let n_categories = labels.categories.len();
+    let labels = boxes.labels;
+    let evaluation = curves_of(boxes, values, params.max_detections)?;
+    let n_categories = boxes.n_categories();
     let mut n_objects = vec![0u64; n_categories];
     let mut images: Vec<Vec<u32>> = vec![Vec::new(); n_categories];
     for (object, is_counted) in labels.objects.iter().zip(values.counted(labels)) {
-        let category = usize::try_from(object.category).unwrap_or(usize::MAX);
+        let category = usize::try_from(boxes.category(object.category)).unwrap_or(usize::MAX);
         let of_category = n_objects.get_mut(category).zip(images.get_mut(category));
         if let (true, Some((n, images))) = (is_counted, of_category) {
             *n += 1;
@@ -187,7 +171,7 @@ fn one_kind(
         n_objects.iter().sum(),
         count(all_images),
     )];
-    let of_categories = labels.categories.iter().zip(n_objects.iter().zip(images));
+    let of_categories = boxes.categories().iter().zip(n_objects.iter().zip(images));
     for (idx, (category, (n, images))) in of_categories.enumerate() {
         let group = Group {
             kind,

@@ -2,13 +2,14 @@
 
 use super::{EvaluateSettings, Plain};
 use crate::evaluation::{Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
+use crate::protocol::{Boxes, runs_of_categories};
 use crate::resampling::{
     DrawnPrecisions, KittiRecalls, PairedPrecision, PairedPrecisions, Plan, paired_kitti_precision,
 };
 use crate::statistic::Measured;
 use crate::{
-    CoverageOf, Coverages, Detections, EvalError, GroundTruth, ImageMatches, KittiDetections,
-    KittiDifficulty, LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
+    Category, CoverageOf, Coverages, EvalError, GroundTruth, KittiDetections, KittiDifficulty,
+    MatchRule, Pooling, SaidDetections, Subset, rank_kitti,
 };
 
 /// Of what draws are taken: where, which number, and whether of classes or of supercategories.
@@ -23,15 +24,6 @@ pub(super) fn put(
 ) -> Result<(), EvalError> {
     let scopes = scopes_of(rows);
     let pooling = all.labels.by_supercategory();
-    let pooled = pooling.as_ref().map(|pooling| {
-        let labels = LabelSet {
-            images: all.labels.images.clone(),
-            categories: pooling.categories.clone(),
-            objects: pooling.objects_of(all.labels),
-        };
-        let clean = pooling.detections_of(all.clean);
-        (labels, clean, pooling.detections_of(all.cracked))
-    });
     for scope in &scopes {
         let is_own = scope
             .tau
@@ -41,31 +33,27 @@ pub(super) fn put(
             if metric == PairedMetric::Ap75 && !is_own {
                 continue;
             }
-            let mut measured = |kind, (labels, clean, cracked)| {
-                let drawn = drawn(all, (labels, clean, cracked), scope, iou)?;
+            let mut measured = |kind, pooling| {
+                let drawn = drawn(all, pooling, scope, iou)?;
                 let found = drawn.measured(all.plan)?;
                 if is_own {
                     take((scope, metric, kind), drawn)?;
                 }
-                Ok::<_, EvalError>((labels, found))
+                Ok::<_, EvalError>(found)
             };
-            let (_, of_classes) = measured(GroupKind::Class, (all.labels, all.clean, all.cracked))?;
-            let of_groups = pooled
-                .as_ref()
-                .map(|(labels, clean, cracked)| {
-                    measured(GroupKind::Supercategory, (labels, clean, cracked))
-                })
+            let of_classes = measured(GroupKind::Class, None)?;
+            let of_groups = (pooling.as_ref())
+                .map(|pooling| measured(GroupKind::Supercategory, Some(pooling)))
                 .transpose()?;
             let of_row = |group: &Group| match group.kind {
                 GroupKind::All => Some(&of_classes.mean),
-                GroupKind::MeanOfSupercategories => {
-                    of_groups.as_ref().map(|(_, found)| &found.mean)
-                }
-                GroupKind::Class => find(all.labels, &of_classes, &group.name),
-                GroupKind::Supercategory => {
-                    let (labels, found) = of_groups.as_ref()?;
-                    find(labels, found, &group.name)
-                }
+                GroupKind::MeanOfSupercategories => of_groups.as_ref().map(|found| &found.mean),
+                GroupKind::Class => find(&all.labels.categories, &of_classes, &group.name),
+                GroupKind::Supercategory => find(
+                    &pooling.as_ref()?.categories,
+                    of_groups.as_ref()?,
+                    &group.name,
+                ),
             };
             let here = |row: &&mut PairedRow| row.scope == *scope && row.metric == metric;
             for row in rows.iter_mut().filter(here) {
@@ -144,29 +132,42 @@ fn subset_of(scope: &Scope) -> Subset {
 }
 
 fn find<'a>(
-    labels: &LabelSet,
+    categories: &[Category],
     found: &'a PairedPrecisions,
     name: &str,
 ) -> Option<&'a PairedPrecision> {
-    let category = labels.category_of_name(name)?;
-    let is_it = |row: &&PairedPrecision| row.category == Some(category);
+    let place = categories.iter().position(|it| it.name == name)?;
+    let is_it = |row: &&PairedPrecision| row.category.is_some_and(|it| it as usize == place);
     found.categories.iter().find(is_it)
 }
 
+/// Of classes, or of groups of them.
 fn drawn(
     all: &Plain<'_>,
-    (labels, clean, cracked): (&LabelSet, &Detections, &Detections),
+    pooling: Option<&Pooling>,
     scope: &Scope,
     iou_threshold: f64,
 ) -> Result<DrawnPrecisions, EvalError> {
-    let place = Place {
-        scope,
+    let sides = [all.clean, all.cracked].map(|detections| Boxes {
+        pooling,
+        ..Boxes::of(all.labels, detections)
+    });
+    let values = [0, 1].map(|set| {
+        let (boxes, coverage) = (sides[set], coverage_of(all.coverages, set));
+        subset_of(scope).values(boxes.labels, boxes.detections, coverage)
+    });
+    let [of_clean, of_cracked] = values;
+    let values = [of_clean?, of_cracked?];
+    let rules = values.each_ref().map(|values| MatchRule {
         iou_threshold,
         max_detections: max_detections(all.settings),
-    };
-    let clean = place.matches(labels, clean, coverage_of(all.coverages, 0))?;
-    let cracked = place.matches(labels, cracked, coverage_of(all.coverages, 1))?;
-    DrawnPrecisions::of_matches(&clean, &cracked, labels.categories.len(), all.plan)
+        region: Some(values.restriction()),
+    });
+    let runs = runs_of_categories(&sides);
+    DrawnPrecisions::of_runs(runs, all.plan, |categories| {
+        let clean = sides[0].matches(&rules[0], categories)?;
+        Ok([clean, sides[1].matches(&rules[1], categories)?])
+    })
 }
 
 /// Most detections of a category in an image.
@@ -180,34 +181,6 @@ fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
     CoverageOf {
         objects: &coverages.objects,
         detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
-    }
-}
-
-/// Where, and by which overlap, detections are matched.
-struct Place<'a> {
-    scope: &'a Scope,
-    iou_threshold: f64,
-    max_detections: u32,
-}
-
-impl Place<'_> {
-    fn matches(
-        &self,
-        labels: &LabelSet,
-        detections: &Detections,
-        coverage: CoverageOf<'_>,
-    ) -> Result<Vec<ImageMatches>, EvalError> {
-        let subset = subset_of(self.scope);
-        let values = subset.values(labels, detections, coverage)?;
-        match_images(
-            labels,
-            detections,
-            &MatchRule {
-                iou_threshold: self.iou_threshold,
-                max_detections: self.max_detections,
-                region: Some(values.restriction()),
-            },
-        )
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is lost, over what dose, what appears, what shifts.
 
-use super::Plain;
 use super::side_results::estimate;
+use super::{EvaluateSettings, Plain};
 use crate::evaluation::{
     ClassFlip, DamageFacts, DoseBin, DoseResponse, Estimate, FailureResults, FailureRow, FlipRow,
     Group, GroupKind, LogisticFit, NewFalsePositives, Scope, ScopeKind, ShiftRow,
@@ -10,13 +10,14 @@ use crate::failure::{
     self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
     new_false_positives, pair_objects, quantile_edges, shifts,
 };
+use crate::protocol::{Boxes, runs_of_categories, sort};
 use crate::statistic::Measured;
-use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule, match_images};
+use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule};
 
 /// Bins of a damage fact.
 const N_FACT_BINS: u32 = 8;
 
-/// Matches of whole images, clean and cracked.
+/// Matches of whole images, clean and cracked, as far as a detection counts as found.
 pub(super) struct Matches {
     pub(super) clean: Vec<ImageMatches>,
     pub(super) cracked: Vec<ImageMatches>,
@@ -37,8 +38,8 @@ pub(super) fn failures(
         region: None,
     };
     let matches = Matches {
-        clean: match_images(all.labels, all.clean, &rule)?,
-        cracked: match_images(all.labels, all.cracked, &rule)?,
+        clean: matches_that_count(Boxes::of(all.labels, all.clean), &rule, settings)?,
+        cracked: matches_that_count(Boxes::of(all.labels, all.cracked), &rule, settings)?,
     };
     let pairs = pair_objects(
         &matches.clean,
@@ -71,6 +72,27 @@ pub(super) fn failures(
         results.new_false_positives = appeared(all, &matches, has_regions, &image_px)?;
     }
     Ok((results, pairs, matches))
+}
+
+/// What became of all objects, and of the detections that count as found: most of a detector's do not.
+fn matches_that_count(
+    boxes: Boxes<'_>,
+    rule: &MatchRule<'_>,
+    settings: &EvaluateSettings,
+) -> Result<Vec<ImageMatches>, EvalError> {
+    let least = settings.score_threshold;
+    let mut all = Vec::new();
+    for categories in runs_of_categories(&[boxes]) {
+        let mut matches = boxes.matches(rule, &categories)?;
+        for of_image in &mut matches {
+            of_image.detections.retain(|it| it.score >= least);
+            of_image.detections.shrink_to_fit();
+        }
+        matches.retain(|it| !it.detections.is_empty() || !it.objects.is_empty());
+        all.extend(matches);
+    }
+    sort(&mut all);
+    Ok(all)
 }
 
 fn here(pairs: &[ObjectPair], place: Where) -> Vec<ObjectPair> {

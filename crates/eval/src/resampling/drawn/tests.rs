@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::mean_performance::measured_performance;
-use crate::resampling::{RankedCategory, bootstrap, permutation_test};
+use crate::resampling::{
+    RankedCategory, bootstrap, permutation_test, rank_by_category, rank_versions,
+};
 use crate::statistic::Measured;
 use crate::{MatchedDetection, MatchedObject, Outcome};
 
@@ -74,6 +76,21 @@ fn ranked(set: u32) -> Ranked3 {
 fn drawn(set: u32, plan: &Plan) -> DrawnPrecisions {
     let (clean, cracked) = (matches(set, 0), matches(set, set + 1));
     DrawnPrecisions::of_matches(&clean, &cracked, N_CATEGORIES, plan).unwrap()
+}
+
+#[test]
+fn categories_in_runs_are_drawn_as_all_at_once() {
+    let plan = Plan::of_images(N_IMAGES).with(20, 3, 0.9);
+    let all = [matches(0, 0), matches(0, 1)];
+    let of_run = |run: &Range<usize>| {
+        let is_in = |it: &&ImageMatches| run.contains(&(it.category as usize));
+        Ok((all.each_ref()).map(|side| side.iter().filter(is_in).cloned().collect()))
+    };
+    let runs = vec![0..1, 1..4, 4..N_CATEGORIES];
+    let in_runs = DrawnPrecisions::of_runs(runs, &plan, of_run).unwrap();
+    // As texts, in which what is not a number equals itself.
+    let texts = [in_runs, drawn(0, &plan)].map(|it| format!("{it:?}"));
+    assert!(texts[0] == texts[1], "the same numbers");
 }
 
 /// Clean and cracked of a category, or of the mean over those that there are, in one set.
