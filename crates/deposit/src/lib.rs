@@ -36,6 +36,7 @@ mod outline;
 mod rain;
 mod raster;
 mod scratches;
+mod wiper;
 
 pub use cap::Cap;
 pub use coat::Coat;
@@ -48,8 +49,9 @@ pub use frost::Frost;
 pub use heating::{Heat, Heating};
 pub use mud::Mud;
 pub use outline::{Outline, RoundPlace};
-pub use rain::{Rain, Shower};
+pub use rain::{Rain, Shower, Wiped};
 pub use scratches::Scratches;
+pub use wiper::Wiper;
 
 /// A rectangle of a pane.
 #[derive(Debug, Clone, Copy, PartialEq)]

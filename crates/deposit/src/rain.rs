@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use starbreak_seed::Seed;
 
 use crate::cap::volume_per_cubed_radius;
-use crate::{Area, Deposit};
+use crate::wiper::Pass;
+use crate::{Area, Deposit, Wiper};
 
 pub use shower::Shower;
 
@@ -48,6 +49,17 @@ pub struct Rain {
     /// Angle of the pane to the ground, rad: a quarter of a turn where it stands upright, less where its upper edge
     /// leans towards the camera.
     pub slope_rad: f64,
+}
+
+/// Rain on a pane that is wiped now and then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wiped {
+    /// What has fallen since the wiper passed last, or is to pass: nothing if it has not come half of its way.
+    pub rain: Rain,
+    /// How often it passed, or began to.
+    pub n_passes: u64,
+    /// Where it is at it: what had fallen before, and is still where it has not come by.
+    pub before: Option<(Rain, Wiper)>,
 }
 
 impl Default for Rain {
@@ -174,31 +186,27 @@ impl Rain {
         height_m / libm::tan(0.5 * self.contact_rad) * 1e3
     }
 
-    /// The rain so many seconds later, and how often the pane was wiped until then. Each wipe leaves it dry, all at once;
-    /// the first comes when it has rained for a period, or for a whole number of them.
+    /// The rain so many seconds later: since a wiper passed, and before it where it is at it. It goes there and back each
+    /// time it has rained for a period, or a whole number of them, and leaves a dry pane behind it.
     #[must_use]
-    pub fn later(&self, by_s: f64) -> (Self, u64) {
+    pub fn later(&self, by_s: f64) -> Wiped {
         let age_s = self.age_s + by_s;
-        let wipes = |age_s: f64| match self.wiper_period_s {
-            period_s if period_s > 0.0 => (age_s / period_s).floor(),
-            _ => 0.0,
-        };
-        let n = wipes(age_s) - wipes(self.age_s);
-        let since_s = match n > 0.0 {
-            true => age_s - wipes(age_s) * self.wiper_period_s,
-            false => age_s,
-        };
-        let later = Self {
-            age_s: since_s,
+        let since = |began_s: Option<f64>| Self {
+            age_s: began_s.map_or(age_s, |began_s| age_s - began_s),
             ..*self
         };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "some wipes"
-        )]
-        let n = n.max(0.0) as u64;
-        (later, n)
+        match Pass::at(age_s, self.age_s, self.wiper_period_s) {
+            Some(pass) => Wiped {
+                rain: since(Some(pass.began_s)),
+                n_passes: pass.number,
+                before: pass.wiper.map(|wiper| (since(pass.before_s), wiper)),
+            },
+            None => Wiped {
+                rain: since(None),
+                n_passes: 0,
+                before: None,
+            },
+        }
     }
 
     /// How many drops land on an area of the pane in the mean. What becomes of each takes time, a second for some

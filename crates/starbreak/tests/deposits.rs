@@ -297,14 +297,42 @@ fn what_lies_on_the_glass_ages_and_a_wiper_wipes_it() {
     let mut wiped = Recipe::preset("rain").unwrap();
     wiped.set("drops.wiper_period_s=5").unwrap();
     let chain = Chain::of(&wiped.settings().unwrap(), (320, 200), Seed(1)).unwrap();
-    let at = |by_s: f64| coverage(&chain.later(by_s, Some(f64::INFINITY)).unwrap(), "drops");
-    // 4 s old at first: wiped after 1 s and after 6 s.
+    let later = |by_s: f64| chain.later(by_s, Some(f64::INFINITY)).unwrap();
+    let at = |by_s: f64| coverage(&later(by_s), "drops");
+    // 4 s old at first: the wiper starts after 1 s and after 6 s, is at the other end 0.6 s later, and back after as much.
     assert!(at(0.9) > at(0.0), "it rains on");
-    assert!(at(1.05) < 0.1 * at(0.9), "then it is wiped");
+    assert!(at(1.58) < 0.2 * at(0.9), "it has gone there");
+    assert!(at(2.25) < 0.1 * at(0.9), "and back");
     assert!(
-        at(5.9) > 0.5 * at(0.9) && at(6.05) < 0.1 * at(0.9),
+        at(5.9) > 0.5 * at(0.9) && at(7.25) < 0.1 * at(0.9),
         "and again"
     );
+    // In the middle of its way, and of that back, it is before the camera, and hides what is behind it.
+    for (by_s, is_there) in [
+        (0.9, false),
+        (1.32, true),
+        (1.6, false),
+        (1.88, true),
+        (2.3, false),
+    ] {
+        let chain = later(by_s);
+        let wiper = chain
+            .facts()
+            .get("wiper")
+            .map(|it| it["coverage"].as_f64().unwrap());
+        assert_eq!(wiper.is_some(), is_there, "{by_s} s: {wiper:?}");
+        let mut white: DynamicImage = RgbImage::from_pixel(320, 200, Rgb([200; 3])).into();
+        chain.over(&mut white, Seed(1)).unwrap();
+        let n_black = white.to_rgb8().pixels().filter(|it| it.0[1] < 20).count();
+        assert_eq!(
+            n_black > 320 * 200 / 100,
+            is_there,
+            "{by_s} s: {n_black} px"
+        );
+        if let Some(covered) = wiper {
+            assert!((0.02..0.2).contains(&covered), "{by_s} s: {covered}");
+        }
+    }
 }
 
 #[test]
@@ -320,7 +348,7 @@ fn a_frame_does_not_depend_on_the_frames_before_it() {
         recipe.set(set).unwrap();
         let settings = recipe.settings().unwrap();
         let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
-        for by_s in [0.0, 0.033, 0.4, 0.1, 2.0, 6.0, 6.033, 3.0] {
+        for by_s in [0.0, 0.033, 0.4, 0.1, 0.78, 0.81, 1.4, 2.0, 6.0, 6.033, 3.0] {
             let fresh = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
             let [codes, expected] = [&chain, &fresh].map(|chain| {
                 let mut image = image.clone();

@@ -98,13 +98,21 @@ impl KeptDrops {
                 ..Known::default()
             };
         }
-        let mut next = 0;
+        let (mut next, mut n_missed) = (0, 0);
         let look = |cap: &Cap| {
-            let rest = known.drops[next..].iter().take(LOOKED_AT);
-            let place = rest.clone().position(|(known, _)| known == cap)?;
-            let (_, shown) = &known.drops[next + place];
+            let mut rest = known.drops[next..].iter().take(LOOKED_AT);
+            let Some(place) = rest.position(|(known, _)| known == cap) else {
+                // Where as many have gone, on behind them.
+                n_missed += 1;
+                if n_missed == LOOKED_AT {
+                    n_missed = 0;
+                    next = known.drops.len().min(next + LOOKED_AT);
+                }
+                return None;
+            };
+            n_missed = 0;
             next += place + 1;
-            Some(Arc::clone(shown))
+            Some(Arc::clone(&known.drops[next - 1].1))
         };
         Looked {
             known: caps.iter().map(look).collect(),

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use starbreak_deposit::Coat;
 use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
 
-use super::layer::{OnPane, deposit_of, screens_of};
+use super::layer::{OnPane, deposit_of, screen_of_wiper, screens_of};
 use super::origin::Origin;
 use super::{Chain, PaneLayer, report};
 use crate::{Error, OpticsSettings, Scene, Settings};
@@ -136,10 +136,18 @@ impl Chain {
             }
             None => Vec::new(),
         };
-        let facts = drops_fact(&settings, on_pane.as_deref())
+        let mut screens: Vec<Arc<Screen>> = screens;
+        let mut facts: Map<String, Value> = drops_fact(&settings, on_pane.as_deref())
             .into_iter()
             .chain(coat_facts(&settings, &screens))
             .collect();
+        if let Some(wiper) = on_pane.as_deref().and_then(|on| on.wiper.as_ref())
+            && let Some(screen) = screen_of_wiper(&settings, wiper, size)?
+            && !screen.is_nothing()
+        {
+            facts.insert("wiper".to_owned(), report::wiper_to_json(&screen));
+            screens.push(Arc::new(screen));
+        }
         Ok(Self {
             settings,
             layer,

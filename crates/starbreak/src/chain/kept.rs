@@ -11,7 +11,8 @@ use starbreak_seed::Seed;
 /// that are worked on side by side share it.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
-    rain: Mutex<Option<Shower>>,
+    /// That since a wiper passed last, and before.
+    rain: Mutex<Vec<Shower>>,
     pub(super) drops: KeptDrops,
     /// Coats as old as they were last, with the seed that placed them, and how frames show each.
     coats: Mutex<Vec<(Coat, Seed, Arc<Screen>)>>,
@@ -21,20 +22,21 @@ impl Kept {
     /// How many drops fall anew on an area of the pane, in the mean, to know what lies there.
     pub(super) fn n_landing(&self, rain: &Rain, area: &Area, seed: Seed) -> f64 {
         let kept = self.rain.lock().unwrap_or_else(PoisonError::into_inner);
-        match &*kept {
-            Some(shower) if shower.is_of(rain, area, seed) => shower.n_landing(rain.age_s),
-            _ => rain.n_landing(area),
-        }
+        let known = kept.iter().find(|shower| shower.is_of(rain, area, seed));
+        known.map_or_else(|| rain.n_landing(area), |it| it.n_landing(rain.age_s))
     }
 
     /// What lies on an area of the pane, of which only what fell lately falls anew.
     pub(super) fn rain(&self, rain: &Rain, area: &Area, seed: Seed) -> Deposit {
         let shower = {
             let mut kept = self.rain.lock().unwrap_or_else(PoisonError::into_inner);
-            let known = kept.take().filter(|shower| shower.is_of(rain, area, seed));
-            let shower = kept.insert(known.unwrap_or_else(|| Shower::of(*rain, *area, seed)));
+            let place = kept.iter().position(|it| it.is_of(rain, area, seed));
+            let known = place.map(|place| kept.remove(place));
+            let mut shower = known.unwrap_or_else(|| Shower::of(*rain, *area, seed));
             shower.rest(rain.age_s);
-            shower.clone()
+            kept.truncate(1);
+            kept.insert(0, shower.clone());
+            shower
         };
         shower.at(rain.age_s)
     }

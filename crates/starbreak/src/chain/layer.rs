@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use image::GrayImage;
-use starbreak_deposit::{Area, Coat, Deposit, Rain};
+use starbreak_deposit::{Area, Cap, Coat, Deposit, Rain, Wiper};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
@@ -43,6 +43,8 @@ pub(super) struct OnPane {
     pub(super) deposit: Deposit,
     pub(super) area: Area,
     view: View,
+    /// Where it passes right now.
+    pub(super) wiper: Option<Wiper>,
 }
 
 /// What lies on a pane, with what is known of it from frames before.
@@ -62,44 +64,66 @@ pub(super) fn deposit_of(
     let Some(rain) = &settings.drops else {
         return Ok(None);
     };
-    let (rain, n_wipes) = rain.later(after_s);
-    // Other drops come after each wipe.
-    let seed = match n_wipes {
-        0 => seed,
-        n => seed.of_item("wiper", n),
-    };
+    let wiped = rain.later(after_s);
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
-    let rain = match scene.lowered_rake_rad() {
-        Some(rake_rad) => Rain {
-            slope_rad: FRAC_PI_2 - rake_rad,
-            ..rain
-        },
-        None => rain,
-    };
     // Drops run down from above.
     let area = scene.seen_area(&view, 0.4);
-    let n_drops = match kept {
-        Some(kept) => kept.n_landing(&rain, &area, seed),
-        None => rain.n_landing(&area),
-    };
-    if n_drops > MOST_DROPS {
-        let most = MOST_DROPS;
-        let way_out = what_to_lower(&rain);
-        return Err(Error::TooManyDrops {
-            n_drops,
-            most,
-            way_out,
-        });
-    }
-    Ok(Some(OnPane {
-        deposit: match kept {
+    let on_pane = |rain: Rain, n_passes: u64| {
+        let rain = match scene.lowered_rake_rad() {
+            Some(rake_rad) => Rain {
+                slope_rad: FRAC_PI_2 - rake_rad,
+                ..rain
+            },
+            None => rain,
+        };
+        // Other drops come after each pass.
+        let seed = match n_passes {
+            0 => seed,
+            n => seed.of_item("wiper", n),
+        };
+        let n_drops = match kept {
+            Some(kept) => kept.n_landing(&rain, &area, seed),
+            None => rain.n_landing(&area),
+        };
+        if n_drops > MOST_DROPS {
+            let most = MOST_DROPS;
+            let way_out = what_to_lower(&rain);
+            return Err(Error::TooManyDrops {
+                n_drops,
+                most,
+                way_out,
+            });
+        }
+        Ok(match kept {
             Some(kept) => kept.rain(&rain, &area, seed),
             None => rain.on_pane(&area, seed),
-        },
+        })
+    };
+    let mut deposit = on_pane(wiped.rain, wiped.n_passes)?;
+    let mut at_it = None;
+    if let Some((before, wiper)) = wiped.before {
+        let wiper = wiper.seen_from(axis_mm(&view));
+        let before = on_pane(before, wiped.n_passes - 1)?.caps;
+        let after = std::mem::take(&mut deposit.caps);
+        let is_behind = |cap: &Cap| wiper.has_passed(cap.at_mm);
+        deposit.caps = before.into_iter().filter(|cap| !is_behind(cap)).collect();
+        deposit.caps.extend(after.into_iter().filter(is_behind));
+        at_it = Some(wiper);
+    }
+    Ok(Some(OnPane {
+        deposit,
         area,
         view,
+        wiper: at_it,
     }))
+}
+
+/// Where the optical axis meets a pane, mm.
+fn axis_mm(view: &View) -> [f64; 2] {
+    let (width, height) = view.size();
+    let middle = [width, height].map(|side| 0.5 * f64::from(side));
+    view.unproject(middle).unwrap_or_default()
 }
 
 /// What makes fewer drops land. A wiper helps frames of a clip alone that come after its first stroke.
@@ -135,11 +159,7 @@ pub(super) fn screens_of(
     };
     let area = scene.seen_area(&view, 0.1);
     let finest_mm = scene.finest_mm(&view);
-    let [width, height] = [size_px.0, size_px.1].map(f64::from);
-    // Where the wiper turns is told from where the optical axis meets the pane.
-    let axis_mm = view
-        .unproject([0.5 * width, 0.5 * height])
-        .unwrap_or_default();
+    let (width, axis_mm) = (f64::from(size_px.0), axis_mm(&view));
     // A dashboard hides where the pane ends.
     let last_px = (view.dashboard()).row_px(0.5 * width, size_px);
     let end_mm = view.unproject([0.5 * width, last_px]).unwrap_or(area.to_mm)[1];
@@ -150,6 +170,23 @@ pub(super) fn screens_of(
             Screen::of(&*coating, &view, &optic)
         })
         .collect())
+}
+
+/// How frames show a wiper before a camera that sees it.
+///
+/// # Errors
+/// [`Error::Optics`] for a camera that sees nothing.
+pub(super) fn screen_of_wiper(
+    settings: &Settings,
+    wiper: &Wiper,
+    size_px: (u32, u32),
+) -> Result<Option<Screen>, Error> {
+    let scene = Scene::of(settings, size_px);
+    let view = scene.sheet()?;
+    if !wiper.may_be_on(&scene.seen_area(&view, 0.1)) {
+        return Ok(None);
+    }
+    Ok((scene.optic()).map(|optic| Screen::of(wiper, &view, &optic)))
 }
 
 impl PaneLayer {

@@ -214,6 +214,11 @@ pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Valu
     })
 }
 
+/// What a record says of a wiper that passes.
+pub(super) fn wiper_to_json(screen: &Screen) -> Value {
+    json!({ "coverage": (screen.mean_covered() * 1e6).round() / 1e6 })
+}
+
 /// The table of a coat on the glass, and what a record says of it.
 pub(super) fn coat_to_json(coat: &Coat, screen: &Screen) -> (&'static str, Value) {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;

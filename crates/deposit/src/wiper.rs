@@ -1,0 +1,274 @@
+//! A wiper on its way over a pane.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::{Area, Coating, Passage};
+
+/// How long a pass takes, s: half of a stroke, which goes there and back. GUESS: 50 strokes a minute.
+const PASS_S: f64 = 0.6;
+
+/// Where it turns, right and down of where the optical axis meets the pane, mm. GUESS: a camera behind the mirror.
+const PIVOT_MM: [f64; 2] = [-250.0, 450.0];
+
+/// From lying to the right to the end of its way, rad. GUESS.
+const ENDS_RAD: [f64; 2] = [0.0, 1.2 * FRAC_PI_2];
+
+/// Width of the blade, mm. GUESS: one without a frame.
+const WIDTH_MM: f64 = 14.0;
+
+/// How long a frame is exposed, s: so far it is blurred. GUESS.
+const EXPOSED_S: f64 = 0.005;
+
+/// Its edge is no sharper than this, mm.
+const EDGE_MM: f64 = 0.5;
+
+/// A wiper as it passes, there or back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wiper {
+    pivot_mm: [f64; 2],
+    is_back: bool,
+    /// Where it is while a frame is exposed, rad from lying to the right upwards.
+    at_rad: [f64; 2],
+}
+
+/// The passes of a wiper over a pane that is so old: the last one that has begun.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pass {
+    /// How many have begun.
+    pub(crate) number: u64,
+    /// From when on what falls behind it stays, and behind the one before it, if there was one, s of the pane's age: as if
+    /// all places were passed when the wiper is in the middle of its way.
+    pub(crate) began_s: f64,
+    pub(crate) before_s: Option<f64>,
+    /// While it lasts.
+    pub(crate) wiper: Option<Wiper>,
+}
+
+impl Pass {
+    /// Of a wiper that starts each time a pane is so many periods old, from an age on, s; none before it does.
+    pub(crate) fn at(age_s: f64, from_age_s: f64, period_s: f64) -> Option<Self> {
+        if period_s <= 0.0 {
+            return None;
+        }
+        let strokes = |age_s: f64| (age_s / period_s).floor();
+        let n = strokes(age_s) - strokes(from_age_s);
+        if n < 1.0 {
+            return None;
+        }
+        let lasts_s = PASS_S.min(0.5 * period_s);
+        let there_s = strokes(age_s) * period_s;
+        let back_s = there_s + lasts_s;
+        let is_back = age_s >= back_s;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some strokes"
+        )]
+        let number = 2 * n as u64 - u64::from(!is_back);
+        let starts_s = if is_back { back_s } else { there_s };
+        let middle_s = 0.5 * lasts_s;
+        let before_s = match (is_back, n > 1.0) {
+            (true, _) => Some(there_s + middle_s),
+            (false, true) => Some(there_s - period_s + lasts_s + middle_s),
+            (false, false) => None,
+        };
+        let wiper = (age_s - starts_s < lasts_s).then(|| {
+            let at = |since_s: f64| {
+                // It starts and stops gently.
+                let part = 0.5 - 0.5 * libm::cos(PI * (since_s / lasts_s).min(1.0));
+                let part = if is_back { 1.0 - part } else { part };
+                ENDS_RAD[0] + part * (ENDS_RAD[1] - ENDS_RAD[0])
+            };
+            Wiper {
+                pivot_mm: PIVOT_MM,
+                is_back,
+                at_rad: [age_s, age_s + EXPOSED_S].map(|age_s| at(age_s - starts_s)),
+            }
+        });
+        Some(Self {
+            number,
+            began_s: starts_s + middle_s,
+            before_s,
+            wiper,
+        })
+    }
+}
+
+impl Wiper {
+    /// The same where the optical axis meets the pane at a place, mm.
+    #[must_use]
+    pub fn seen_from(mut self, axis_mm: [f64; 2]) -> Self {
+        self.pivot_mm = [0, 1].map(|k| self.pivot_mm[k] + axis_mm[k]);
+        self
+    }
+
+    /// How far a place is from the pivot, mm, and its angle from lying to the right upwards.
+    fn polar(&self, at_mm: [f64; 2]) -> (f64, f64) {
+        let [right, down] = [0, 1].map(|k| at_mm[k] - self.pivot_mm[k]);
+        (libm::hypot(right, down), libm::atan2(-down, right))
+    }
+
+    /// Whether some of it may lie on an area.
+    #[must_use]
+    pub fn may_be_on(&self, area: &Area) -> bool {
+        let ([left, top], [right, bottom]) = (area.from_mm, area.to_mm);
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
+        let corners = corners.map(|corner| self.polar(corner));
+        let of = |pick: fn(f64, f64) -> f64, first: f64| {
+            corners
+                .iter()
+                .fold(first, |most, (_, rad)| pick(most, *rad))
+        };
+        let [least, most] = [of(f64::min, PI), of(f64::max, -PI)];
+        if most - least > FRAC_PI_2 {
+            // About the pivot, or all around it.
+            return true;
+        }
+        let near_mm = corners
+            .iter()
+            .fold(f64::INFINITY, |near, (far, _)| near.min(*far));
+        // Nearer to the pivot than its corners an area may be at half of their distance.
+        let beside = WIDTH_MM / near_mm.max(1.0);
+        let [from, to] = self.ends();
+        from - beside <= most && to + beside >= least
+    }
+
+    /// Where it is while a frame is exposed, the lesser angle first.
+    fn ends(&self) -> [f64; 2] {
+        let [a, b] = self.at_rad;
+        [a.min(b), a.max(b)]
+    }
+
+    /// Whether it has come by a place, mm, in this pass.
+    #[must_use]
+    pub fn has_passed(&self, at_mm: [f64; 2]) -> bool {
+        let (_, rad) = self.polar(at_mm);
+        match self.is_back {
+            true => rad > self.at_rad[0],
+            false => rad < self.at_rad[0],
+        }
+    }
+}
+
+impl Coating for Wiper {
+    /// Black rubber, for as much of the time as it is there.
+    fn passage(&self, at_mm: [f64; 2]) -> Passage {
+        let (far_mm, rad) = self.polar(at_mm);
+        let far_mm = far_mm.max(1e-6);
+        let [from, to] = self.ends();
+        let way = (to - from).max(EDGE_MM / far_mm);
+        let middle = 0.5 * (from + to);
+        let half = 0.5 * WIDTH_MM / far_mm;
+        let there = (rad + half).min(middle + 0.5 * way) - (rad - half).max(middle - 0.5 * way);
+        let covered = (there / way).clamp(0.0, 1.0);
+        Passage {
+            covered,
+            direct: [1.0 - covered; 3],
+            ..Passage::CLEAN
+        }
+    }
+
+    fn turns_by_rad(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_follow_each_other_there_and_back() {
+        assert!(Pass::at(100.0, 0.0, 0.0).is_none(), "no wiper");
+        // 4 s old at first, wiped when 5 s, 10 s, … old.
+        let at = |age_s: f64| Pass::at(age_s, 4.0, 5.0);
+        assert!(at(4.99).is_none(), "not yet");
+        for (age_s, number, began_s, before_s, is_on_its_way) in [
+            (5.0, 1, 5.3, None, true),
+            (5.59, 1, 5.3, None, true),
+            (5.61, 2, 5.9, Some(5.3), true),
+            (6.21, 2, 5.9, Some(5.3), false),
+            (9.99, 2, 5.9, Some(5.3), false),
+            (10.1, 3, 10.3, Some(5.9), true),
+            (10.7, 4, 10.9, Some(10.3), true),
+        ] {
+            let pass = at(age_s).unwrap_or_else(|| panic!("{age_s} s: no pass"));
+            assert_eq!(pass.number, number, "{age_s} s");
+            assert!((pass.began_s - began_s).abs() < 1e-9, "{age_s} s: {pass:?}");
+            let before = pass.before_s.zip(before_s);
+            assert_eq!(pass.before_s.is_some(), before_s.is_some(), "{age_s} s");
+            assert!(
+                before.is_none_or(|(a, b)| (a - b).abs() < 1e-9),
+                "{age_s} s"
+            );
+            assert_eq!(pass.wiper.is_some(), is_on_its_way, "{age_s} s");
+        }
+        // Old already when a clip begins: first when the next period is over.
+        assert!(Pass::at(9.9, 7.0, 5.0).is_none(), "in its first period");
+        assert!(
+            Pass::at(10.1, 7.0, 5.0).is_some_and(|pass| pass.number == 1),
+            "then"
+        );
+        // One that never rests.
+        let fast = Pass::at(1.3, 0.0, 0.5);
+        assert!(
+            fast.is_some_and(|pass| pass.number == 4 && pass.wiper.is_some()),
+            "{fast:?}"
+        );
+    }
+
+    #[test]
+    fn a_wiper_passes_each_place_once_on_each_way() {
+        let place = [0.0, 0.0];
+        let mut passed = Vec::new();
+        let mut most = 0.0_f64;
+        for age_s in (0..1200).map(|ms| f64::from(ms) * 1e-3) {
+            let pass = Pass::at(5.0 + age_s, 0.0, 5.0);
+            let Some(wiper) = pass.and_then(|pass| pass.wiper) else {
+                panic!("{age_s} s: it rests");
+            };
+            passed.push(wiper.has_passed(place));
+            let Passage {
+                covered, direct, ..
+            } = wiper.passage(place);
+            assert!(
+                (covered + direct[1] - 1.0).abs() < 1e-12,
+                "nothing but black"
+            );
+            most = most.max(covered);
+        }
+        let turns = passed.windows(2).filter(|two| two[0] != two[1]).count();
+        assert_eq!(
+            (passed[0], turns),
+            (false, 3),
+            "passed, not on the way back, passed"
+        );
+        assert!(most > 0.9, "at most {most} of the time");
+    }
+
+    #[test]
+    fn a_wiper_that_is_not_on_an_area_is_nowhere_on_it() {
+        let area = Area {
+            from_mm: [-130.0, -80.0],
+            to_mm: [130.0, 60.0],
+        };
+        let (mut n_on, mut n_beside) = (0, 0);
+        for age_s in (0..120).map(|k| f64::from(k) * 1e-2) {
+            let Some(wiper) = Pass::at(5.0 + age_s, 0.0, 5.0).and_then(|pass| pass.wiper) else {
+                panic!("{age_s} s: it rests");
+            };
+            let along = |k: i32, axis: usize| {
+                area.from_mm[axis] + f64::from(k) / 60.0 * area.sides_mm()[axis]
+            };
+            let is_on = (0..=60)
+                .any(|y| (0..=60).any(|x| wiper.passage([along(x, 0), along(y, 1)]).covered > 0.0));
+            assert!(!is_on || wiper.may_be_on(&area), "{age_s} s: {wiper:?}");
+            n_on += u32::from(is_on);
+            n_beside += u32::from(!wiper.may_be_on(&area));
+        }
+        assert!(
+            n_on > 20 && n_beside > 40,
+            "{n_on} on it, {n_beside} beside"
+        );
+    }
+}
