@@ -58,8 +58,10 @@ pub struct Wiped {
     pub rain: Rain,
     /// How often it passed, or began to.
     pub n_passes: u64,
-    /// Where it is at it: what had fallen before, and is still where it has not come by.
-    pub before: Option<(Rain, Wiper)>,
+    /// Where some of it is still seen.
+    pub wiper: Option<Wiper>,
+    /// Where it is on its way: what had fallen before, and is still where it has not come by.
+    pub before: Option<Rain>,
 }
 
 impl Default for Rain {
@@ -187,7 +189,7 @@ impl Rain {
     }
 
     /// The rain so many seconds later: since a wiper passed, and before it where it is at it. It goes there and back each
-    /// time it has rained for a period, or a whole number of them, and leaves a dry pane behind it.
+    /// time it has rained for a period, or a whole number of them, and leaves a pane without drops behind it.
     #[must_use]
     pub fn later(&self, by_s: f64) -> Wiped {
         let age_s = self.age_s + by_s;
@@ -199,11 +201,15 @@ impl Rain {
             Some(pass) => Wiped {
                 rain: since(Some(pass.began_s)),
                 n_passes: pass.number,
-                before: pass.wiper.map(|wiper| (since(pass.before_s), wiper)),
+                wiper: pass.wiper,
+                before: (pass.wiper)
+                    .filter(Wiper::is_on_its_way)
+                    .map(|_| since(pass.before_s)),
             },
             None => Wiped {
                 rain: since(None),
                 n_passes: 0,
+                wiper: None,
                 before: None,
             },
         }

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use crate::{Area, Coating, Passage};
 
-/// How long a pass takes, s: half of a stroke, which goes there and back. GUESS: 50 strokes a minute.
-const PASS_S: f64 = 0.6;
+/// How long a pass takes, s: half of a stroke, which goes there and back. GUESS: 43 strokes a minute, a wiper's lower speed.
+const PASS_S: f64 = 0.7;
 
 /// Where it turns, right and down of where the optical axis meets the pane, mm. GUESS: a camera behind the mirror.
 const PIVOT_MM: [f64; 2] = [-250.0, 450.0];
@@ -13,8 +13,18 @@ const PIVOT_MM: [f64; 2] = [-250.0, 450.0];
 /// From lying to the right to the end of its way, rad. GUESS.
 const ENDS_RAD: [f64; 2] = [0.0, 1.2 * FRAC_PI_2];
 
-/// Width of the blade, mm. GUESS: one without a frame.
-const WIDTH_MM: f64 = 14.0;
+/// Width of the blade with its arm, mm. GUESS.
+const WIDTH_MM: f64 = 20.0;
+
+/// Share of the light on it that it sends on: that of black rubber. GUESS.
+const SENDS: f64 = 0.02;
+
+/// The film that it leaves breaks up and dries: share of the light that it turns at first, after how long, s, that is 1/e of
+/// it, until when it is looked at, s, and by how much light is turned, rad. GUESS.
+const FILM: f64 = 0.3;
+const FILM_FADES_S: f64 = 0.25;
+const FILM_LASTS_S: f64 = 1.0;
+const FILM_TURNS_RAD: f64 = 0.04;
 
 /// How long a frame is exposed, s: so far it is blurred. GUESS.
 const EXPOSED_S: f64 = 0.005;
@@ -22,11 +32,14 @@ const EXPOSED_S: f64 = 0.005;
 /// Its edge is no sharper than this, mm.
 const EDGE_MM: f64 = 0.5;
 
-/// A wiper as it passes, there or back.
+/// A wiper as it passes, there or back, and what it leaves for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wiper {
     pivot_mm: [f64; 2],
     is_back: bool,
+    /// How long ago it started, and how long it takes, s.
+    since_s: f64,
+    lasts_s: f64,
     /// Where it is while a frame is exposed, rad from lying to the right upwards.
     at_rad: [f64; 2],
 }
@@ -40,7 +53,7 @@ pub(crate) struct Pass {
     /// all places were passed when the wiper is in the middle of its way.
     pub(crate) began_s: f64,
     pub(crate) before_s: Option<f64>,
-    /// While it lasts.
+    /// Until nothing of it is seen.
     pub(crate) wiper: Option<Wiper>,
 }
 
@@ -72,18 +85,18 @@ impl Pass {
             (false, true) => Some(there_s - period_s + lasts_s + middle_s),
             (false, false) => None,
         };
-        let wiper = (age_s - starts_s < lasts_s).then(|| {
-            let at = |since_s: f64| {
+        let since_s = age_s - starts_s;
+        let wiper = (since_s < lasts_s + FILM_LASTS_S).then(|| Wiper {
+            pivot_mm: PIVOT_MM,
+            is_back,
+            since_s,
+            lasts_s,
+            at_rad: [since_s, since_s + EXPOSED_S].map(|since_s| {
                 // It starts and stops gently.
                 let part = 0.5 - 0.5 * libm::cos(PI * (since_s / lasts_s).min(1.0));
                 let part = if is_back { 1.0 - part } else { part };
                 ENDS_RAD[0] + part * (ENDS_RAD[1] - ENDS_RAD[0])
-            };
-            Wiper {
-                pivot_mm: PIVOT_MM,
-                is_back,
-                at_rad: [age_s, age_s + EXPOSED_S].map(|age_s| at(age_s - starts_s)),
-            }
+            }),
         });
         Some(Self {
             number,
@@ -108,7 +121,25 @@ impl Wiper {
         (libm::hypot(right, down), libm::atan2(-down, right))
     }
 
-    /// Whether some of it may lie on an area.
+    /// Whether it has not come to the end of its way.
+    #[must_use]
+    pub fn is_on_its_way(&self) -> bool {
+        self.since_s < self.lasts_s
+    }
+
+    /// How long ago it came by an angle last, s, in this pass, or on the way there if this is that back.
+    fn passed_s(&self, rad: f64) -> Option<f64> {
+        let part = ((rad - ENDS_RAD[0]) / (ENDS_RAD[1] - ENDS_RAD[0])).clamp(0.0, 1.0);
+        let there_s = self.lasts_s * libm::acos(1.0 - 2.0 * part) / PI;
+        let last_s = match self.is_back {
+            true if self.lasts_s - there_s <= self.since_s => self.lasts_s - there_s,
+            true => there_s - self.lasts_s,
+            false => there_s,
+        };
+        Some(self.since_s - last_s).filter(|ago_s| *ago_s >= 0.0)
+    }
+
+    /// Whether some of it, or of what it leaves, may be on an area.
     #[must_use]
     pub fn may_be_on(&self, area: &Area) -> bool {
         let ([left, top], [right, bottom]) = (area.from_mm, area.to_mm);
@@ -127,10 +158,12 @@ impl Wiper {
         let near_mm = corners
             .iter()
             .fold(f64::INFINITY, |near, (far, _)| near.min(*far));
-        // Nearer to the pivot than its corners an area may be at half of their distance.
+        // Its sides are no nearer than 0.7 of its corners then.
         let beside = WIDTH_MM / near_mm.max(1.0);
         let [from, to] = self.ends();
-        from - beside <= most && to + beside >= least
+        let ago_s = [least, most].map(|rad| self.passed_s(rad).unwrap_or(f64::INFINITY));
+        let is_wet = self.is_back || ago_s[0].min(ago_s[1]) < FILM_LASTS_S;
+        is_wet || from - beside <= most && to + beside >= least
     }
 
     /// Where it is while a frame is exposed, the lesser angle first.
@@ -151,25 +184,39 @@ impl Wiper {
 }
 
 impl Coating for Wiper {
-    /// Black rubber, for as much of the time as it is there.
+    /// Black rubber, for as much of the time as it is there, and behind it a film of water that fades.
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
         let (far_mm, rad) = self.polar(at_mm);
-        let far_mm = far_mm.max(1e-6);
-        let [from, to] = self.ends();
-        let way = (to - from).max(EDGE_MM / far_mm);
-        let middle = 0.5 * (from + to);
-        let half = 0.5 * WIDTH_MM / far_mm;
-        let there = (rad + half).min(middle + 0.5 * way) - (rad - half).max(middle - 0.5 * way);
-        let covered = (there / way).clamp(0.0, 1.0);
+        let covered = match self.is_on_its_way() {
+            true => {
+                let far_mm = far_mm.max(1e-6);
+                let [from, to] = self.ends();
+                let way = (to - from).max(EDGE_MM / far_mm);
+                let middle = 0.5 * (from + to);
+                let half = 0.5 * WIDTH_MM / far_mm;
+                let [from, to] = [middle - 0.5 * way, middle + 0.5 * way];
+                (((rad + half).min(to) - (rad - half).max(from)) / way).clamp(0.0, 1.0)
+            }
+            false => 0.0,
+        };
+        let film = self.passed_s(rad).map_or(0.0, |ago_s| {
+            // None is left when it is no longer looked at.
+            let left = libm::exp(-ago_s / FILM_FADES_S) - libm::exp(-FILM_LASTS_S / FILM_FADES_S);
+            (1.0 - covered) * FILM * left.max(0.0)
+        });
+        let sends = 0.5 * SENDS * covered;
         Passage {
             covered,
-            direct: [1.0 - covered; 3],
+            direct: [1.0 - covered - film; 3],
+            wide: film,
+            diffuse: [sends; 3],
+            back: [sends; 3],
             ..Passage::CLEAN
         }
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {
-        [0.0; 2]
+        [0.0, FILM_TURNS_RAD]
     }
 }
 
@@ -184,13 +231,13 @@ mod tests {
         let at = |age_s: f64| Pass::at(age_s, 4.0, 5.0);
         assert!(at(4.99).is_none(), "not yet");
         for (age_s, number, began_s, before_s, is_on_its_way) in [
-            (5.0, 1, 5.3, None, true),
-            (5.59, 1, 5.3, None, true),
-            (5.61, 2, 5.9, Some(5.3), true),
-            (6.21, 2, 5.9, Some(5.3), false),
-            (9.99, 2, 5.9, Some(5.3), false),
-            (10.1, 3, 10.3, Some(5.9), true),
-            (10.7, 4, 10.9, Some(10.3), true),
+            (5.0, 1, 5.35, None, true),
+            (5.69, 1, 5.35, None, true),
+            (5.71, 2, 6.05, Some(5.35), true),
+            (6.41, 2, 6.05, Some(5.35), false),
+            (9.99, 2, 6.05, Some(5.35), false),
+            (10.1, 3, 10.35, Some(6.05), true),
+            (10.8, 4, 11.05, Some(10.35), true),
         ] {
             let pass = at(age_s).unwrap_or_else(|| panic!("{age_s} s: no pass"));
             assert_eq!(pass.number, number, "{age_s} s");
@@ -201,7 +248,8 @@ mod tests {
                 before.is_none_or(|(a, b)| (a - b).abs() < 1e-9),
                 "{age_s} s"
             );
-            assert_eq!(pass.wiper.is_some(), is_on_its_way, "{age_s} s");
+            let wiper = pass.wiper.filter(Wiper::is_on_its_way);
+            assert_eq!(wiper.is_some(), is_on_its_way, "{age_s} s");
         }
         // Old already when a clip begins: first when the next period is over.
         assert!(Pass::at(9.9, 7.0, 5.0).is_none(), "in its first period");
@@ -221,8 +269,8 @@ mod tests {
     fn a_wiper_passes_each_place_once_on_each_way() {
         let place = [0.0, 0.0];
         let mut passed = Vec::new();
-        let mut most = 0.0_f64;
-        for age_s in (0..1200).map(|ms| f64::from(ms) * 1e-3) {
+        let (mut most, mut least) = (0.0_f64, 1.0_f64);
+        for age_s in (0..1400).map(|ms| f64::from(ms) * 1e-3) {
             let pass = Pass::at(5.0 + age_s, 0.0, 5.0);
             let Some(wiper) = pass.and_then(|pass| pass.wiper) else {
                 panic!("{age_s} s: it rests");
@@ -231,11 +279,9 @@ mod tests {
             let Passage {
                 covered, direct, ..
             } = wiper.passage(place);
-            assert!(
-                (covered + direct[1] - 1.0).abs() < 1e-12,
-                "nothing but black"
-            );
+            assert!((covered + direct[1] - 1.0).abs() < 1e-12, "all or nothing");
             most = most.max(covered);
+            least = least.min(covered);
         }
         let turns = passed.windows(2).filter(|two| two[0] != two[1]).count();
         assert_eq!(
@@ -243,7 +289,37 @@ mod tests {
             (false, 3),
             "passed, not on the way back, passed"
         );
-        assert!(most > 0.9, "at most {most} of the time");
+        assert!(most > 0.99 && least < 1e-12, "from {least} to {most}");
+    }
+
+    #[test]
+    fn the_film_behind_a_wiper_fades() {
+        let place = [40.0, -20.0];
+        let mut last: Option<f64> = None;
+        let mut n_films = 0;
+        for age_s in (0..300).map(|k| 5.0 + f64::from(k) * 0.01) {
+            let wiper = Pass::at(age_s, 0.0, 5.0).and_then(|pass| pass.wiper);
+            let film = wiper.map_or(0.0, |it| it.passage(place).wide);
+            let is_blade = wiper.is_some_and(|it| it.passage(place).direct[0] + film < 1.0 - 1e-9);
+            if let Some(last) = last.filter(|_| !is_blade) {
+                let fades = last * libm::exp(-0.01 / FILM_FADES_S);
+                assert!(
+                    film <= last && film > fades - 0.002,
+                    "{age_s} s: {last}, then {film}"
+                );
+            }
+            n_films += u32::from(!is_blade && film > 0.01);
+            last = (!is_blade).then_some(film);
+        }
+        // Some 0.8 s, once cut short by the way back.
+        assert!(
+            (100..180).contains(&n_films),
+            "{n_films} hundredths of a second"
+        );
+        assert!(
+            last.is_some_and(|film| film <= 0.0),
+            "then it is dry: {last:?}"
+        );
     }
 
     #[test]
@@ -253,9 +329,10 @@ mod tests {
             to_mm: [130.0, 60.0],
         };
         let (mut n_on, mut n_beside) = (0, 0);
-        for age_s in (0..120).map(|k| f64::from(k) * 1e-2) {
+        for age_s in (0..300).map(|k| f64::from(k) * 1e-2) {
             let Some(wiper) = Pass::at(5.0 + age_s, 0.0, 5.0).and_then(|pass| pass.wiper) else {
-                panic!("{age_s} s: it rests");
+                n_beside += 1;
+                continue;
             };
             let along = |k: i32, axis: usize| {
                 area.from_mm[axis] + f64::from(k) / 60.0 * area.sides_mm()[axis]
@@ -267,7 +344,7 @@ mod tests {
             n_beside += u32::from(!wiper.may_be_on(&area));
         }
         assert!(
-            n_on > 20 && n_beside > 40,
+            n_on > 100 && n_beside > 60,
             "{n_on} on it, {n_beside} beside"
         );
     }

@@ -550,9 +550,9 @@ fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
         "drops",
         "2",
     );
-    // From a second on a wiper goes there and back, in 0.6 s each.
+    // From a second on a wiper goes there and back, in 0.7 s each.
     assert!(
-        wiped[9] > 3.0 * wiped[15] && wiped[9] > 3.0 * wiped[22],
+        wiped[9] > 3.0 * wiped[16] && wiped[9] > 3.0 * wiped[23],
         "wiped: {wiped:?}"
     );
     let frost = [

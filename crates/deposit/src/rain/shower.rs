@@ -76,16 +76,6 @@ impl Shower {
         (own, self.area, self.seed) == (*rain, *area, seed)
     }
 
-    /// How many drops fall until an age, s, in the mean, beside those that have come to rest.
-    #[must_use]
-    pub fn n_landing(&self, age_s: f64) -> f64 {
-        let since_s = match age_s < self.rests_s {
-            true => age_s,
-            false => age_s - self.next.time_s,
-        };
-        self.per_s * since_s.max(0.0)
-    }
-
     /// Keeps what has come to rest some time before an age, s.
     pub fn rest(&mut self, age_s: f64) {
         let rests_s = age_s - LATE_S;

@@ -145,7 +145,8 @@ impl Chain {
             && let Some(screen) = screen_of_wiper(&settings, wiper, size)?
             && !screen.is_nothing()
         {
-            facts.insert("wiper".to_owned(), report::wiper_to_json(&screen));
+            let fact = report::wiper_to_json(&screen);
+            facts.extend(fact.map(|fact| ("wiper".to_owned(), fact)));
             screens.push(Arc::new(screen));
         }
         Ok(Self {

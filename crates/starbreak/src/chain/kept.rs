@@ -19,13 +19,6 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// How many drops fall anew on an area of the pane, in the mean, to know what lies there.
-    pub(super) fn n_landing(&self, rain: &Rain, area: &Area, seed: Seed) -> f64 {
-        let kept = self.rain.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = kept.iter().find(|shower| shower.is_of(rain, area, seed));
-        known.map_or_else(|| rain.n_landing(area), |it| it.n_landing(rain.age_s))
-    }
-
     /// What lies on an area of the pane, of which only what fell lately falls anew.
     pub(super) fn rain(&self, rain: &Rain, area: &Area, seed: Seed) -> Deposit {
         let shower = {

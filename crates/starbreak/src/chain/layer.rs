@@ -37,13 +37,16 @@ pub enum PaneLayer {
 /// Most drops that land on a pane: some ten seconds of work.
 const MOST_DROPS: f64 = 1e6;
 
+/// The same until a frame of a clip, most of which fell for the frames before it.
+const MOST_OF_CLIP: f64 = 1e8;
+
 /// What lies on a pane, on which part of it, and how frames show that.
 #[derive(Debug, Clone)]
 pub(super) struct OnPane {
     pub(super) deposit: Deposit,
     pub(super) area: Area,
     view: View,
-    /// Where it passes right now.
+    /// Where some of it is seen.
     pub(super) wiper: Option<Wiper>,
 }
 
@@ -82,12 +85,14 @@ pub(super) fn deposit_of(
             0 => seed,
             n => seed.of_item("wiper", n),
         };
-        let n_drops = match kept {
-            Some(kept) => kept.n_landing(&rain, &area, seed),
-            None => rain.n_landing(&area),
+        // By the age alone: whether a frame is refused does not depend on those before it.
+        let most = if kept.is_some() {
+            MOST_OF_CLIP
+        } else {
+            MOST_DROPS
         };
-        if n_drops > MOST_DROPS {
-            let most = MOST_DROPS;
+        let n_drops = rain.n_landing(&area);
+        if n_drops > most {
             let way_out = what_to_lower(&rain);
             return Err(Error::TooManyDrops {
                 n_drops,
@@ -101,21 +106,19 @@ pub(super) fn deposit_of(
         })
     };
     let mut deposit = on_pane(wiped.rain, wiped.n_passes)?;
-    let mut at_it = None;
-    if let Some((before, wiper)) = wiped.before {
-        let wiper = wiper.seen_from(axis_mm(&view));
+    let wiper = wiped.wiper.map(|wiper| wiper.seen_from(axis_mm(&view)));
+    if let Some((before, wiper)) = wiped.before.zip(wiper) {
         let before = on_pane(before, wiped.n_passes - 1)?.caps;
         let after = std::mem::take(&mut deposit.caps);
         let is_behind = |cap: &Cap| wiper.has_passed(cap.at_mm);
         deposit.caps = before.into_iter().filter(|cap| !is_behind(cap)).collect();
         deposit.caps.extend(after.into_iter().filter(is_behind));
-        at_it = Some(wiper);
     }
     Ok(Some(OnPane {
         deposit,
         area,
         view,
-        wiper: at_it,
+        wiper,
     }))
 }
 

@@ -214,9 +214,10 @@ pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Valu
     })
 }
 
-/// What a record says of a wiper that passes.
-pub(super) fn wiper_to_json(screen: &Screen) -> Value {
-    json!({ "coverage": (screen.mean_covered() * 1e6).round() / 1e6 })
+/// What a record says of a wiper in view.
+pub(super) fn wiper_to_json(screen: &Screen) -> Option<Value> {
+    let coverage = (screen.mean_covered() * 1e6).round() / 1e6;
+    (coverage > 0.0).then(|| json!({ "coverage": coverage }))
 }
 
 /// The table of a coat on the glass, and what a record says of it.

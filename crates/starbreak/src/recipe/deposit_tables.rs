@@ -138,8 +138,8 @@ pub(super) struct DropsTable {
     /// How long it has rained since the pane was wiped, s, 0 to 600; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 600.0))]
     pub(super) age_s: f64,
-    /// From one stroke of the wiper to the next in a clip, s, 0 (no wiper) to 600: it goes there and back and leaves the pane
-    /// dry. It starts when it has rained for a whole number of periods; an image by itself is not wiped.
+    /// From one stroke of the wiper to the next in a clip, s, 0 (no wiper) to 600: it goes there and back and leaves a pane
+    /// without drops. It starts when it has rained for a whole number of periods; an image by itself is not wiped.
     #[schemars(range(min = 0.0, max = 600.0))]
     pub(super) wiper_period_s: f64,
     /// Contact angle of water on the glass, degrees, 10 to 110: clean glass some 10 to 30, a used windscreen 40 to 60, a
