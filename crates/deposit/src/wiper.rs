@@ -277,9 +277,15 @@ mod tests {
             };
             passed.push(wiper.has_passed(place));
             let Passage {
-                covered, direct, ..
+                covered,
+                direct,
+                wide,
+                ..
             } = wiper.passage(place);
-            assert!((covered + direct[1] - 1.0).abs() < 1e-12, "all or nothing");
+            assert!(
+                (covered + direct[1] + wide - 1.0).abs() < 1e-12,
+                "all or nothing"
+            );
             most = most.max(covered);
             least = least.min(covered);
         }
@@ -337,8 +343,9 @@ mod tests {
             let along = |k: i32, axis: usize| {
                 area.from_mm[axis] + f64::from(k) / 60.0 * area.sides_mm()[axis]
             };
-            let is_on = (0..=60)
-                .any(|y| (0..=60).any(|x| wiper.passage([along(x, 0), along(y, 1)]).covered > 0.0));
+            let is_on = (0..=60).any(|y| {
+                (0..=60).any(|x| wiper.passage([along(x, 0), along(y, 1)]).direct[1] < 1.0)
+            });
             assert!(!is_on || wiper.may_be_on(&area), "{age_s} s: {wiper:?}");
             n_on += u32::from(is_on);
             n_beside += u32::from(!wiper.may_be_on(&area));
