@@ -58,9 +58,9 @@ pub struct Wiped {
     pub rain: Rain,
     /// How often it passed, or began to.
     pub n_passes: u64,
-    /// Where some of it is still seen.
+    /// The wiper, while it or the film that it leaves is seen.
     pub wiper: Option<Wiper>,
-    /// Where it is on its way: what had fallen before, and is still where it has not come by.
+    /// While it is on its way, what had fallen before: that still lies where the wiper has not come by.
     pub before: Option<Rain>,
 }
 

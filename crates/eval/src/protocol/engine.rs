@@ -74,18 +74,7 @@ pub fn match_images(
     detections: &Detections,
     rule: &MatchRule<'_>,
 ) -> Result<Vec<ImageMatches>, EvalError> {
-    let boxes = Boxes::of(labels, detections);
-    let mut matches = Vec::new();
-    for categories in runs_of_categories(&[boxes]) {
-        matches.extend(boxes.matches(rule, &categories)?);
-    }
-    sort(&mut matches);
-    Ok(matches)
-}
-
-/// By image and then category.
-pub(crate) fn sort(matches: &mut [ImageMatches]) {
-    matches.sort_by_key(|of_image| (of_image.image, of_image.category));
+    Boxes::of(labels, detections).all_matches(rule, |_| {})
 }
 
 /// Categories that are evaluated together: as many as have so many detections, so that the engine,
@@ -156,6 +145,26 @@ impl<'a> Boxes<'a> {
     /// The one as which an object or a detection counts.
     pub(crate) fn category(&self, own: u32) -> u32 {
         self.pooling.map_or(own, |pooling| pooling.group(own))
+    }
+
+    /// What became of all of them, by image and then category. Of each run of categories only what `thin` leaves is held when
+    /// the next is matched.
+    ///
+    /// # Errors
+    /// As [`match_images`].
+    pub(crate) fn all_matches(
+        &self,
+        rule: &MatchRule<'_>,
+        thin: impl Fn(&mut Vec<ImageMatches>),
+    ) -> Result<Vec<ImageMatches>, EvalError> {
+        let mut all = Vec::new();
+        for categories in runs_of_categories(&[*self]) {
+            let mut matches = self.matches(rule, &categories)?;
+            thin(&mut matches);
+            all.extend(matches);
+        }
+        all.sort_by_key(|of_image: &ImageMatches| (of_image.image, of_image.category));
+        Ok(all)
     }
 
     /// What became of those of some categories, one entry per image and category that has any.

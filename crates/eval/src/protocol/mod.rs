@@ -9,7 +9,7 @@ mod kitti;
 pub(crate) use bdd::{bdd_detections, bdd_labels};
 pub(crate) use coco::evaluate_boxes;
 pub(crate) use curve::{exact, mean_in_numpy_order};
-pub(crate) use engine::{Boxes, runs_of_categories, sort};
+pub(crate) use engine::{Boxes, runs_of_categories};
 
 pub use coco::{AreaRange, CocoEvaluation, CocoParams, evaluate_coco};
 pub use curve::{PrecisionCurve, RankedMatches, average_precision};

@@ -88,6 +88,23 @@ impl Chain {
         self.settings.drops.is_some() && self.on_pane.is_some()
     }
 
+    /// How frames show the coats so many seconds later: those that grow anew, where they are not as they were last.
+    fn screens_later(&self, settings: &Settings, after_s: f64) -> Result<Vec<Arc<Screen>>, Error> {
+        let Some(seed) = self.coat_seed else {
+            return Ok(Vec::new());
+        };
+        let growing = settings.coats.iter().filter(|coat| coat.grows());
+        let grown: Vec<Coat> = growing.map(|coat| coat.later(after_s)).collect();
+        let find = |new: &[Coat]| screens_of(settings, new, self.size(), seed);
+        let mut grown = self.kept.coats(&grown, seed, find)?.into_iter();
+        let coats = settings.coats.iter().zip(&self.screens);
+        let each = coats.map(|(coat, screen)| {
+            let grown = if coat.grows() { grown.next() } else { None };
+            grown.unwrap_or_else(|| Arc::clone(screen))
+        });
+        Ok(each.collect())
+    }
+
     /// What it is like so many seconds later, with the network as it is at a time in the unit of its arrivals; none is
     /// before the impact. Says of the damage only what lies on the glass.
     ///
@@ -121,22 +138,7 @@ impl Chain {
             // Nothing of it changes.
             _ => self.layer.clone(),
         };
-        let screens = match self.coat_seed {
-            Some(seed) => {
-                let growing = settings.coats.iter().filter(|coat| coat.grows());
-                let grown: Vec<Coat> = growing.map(|coat| coat.later(after_s)).collect();
-                let find = |new: &[Coat]| screens_of(&settings, new, size, seed);
-                let mut grown = self.kept.coats(&grown, seed, find)?.into_iter();
-                let coats = settings.coats.iter().zip(&self.screens);
-                let each = coats.map(|(coat, screen)| {
-                    let grown = if coat.grows() { grown.next() } else { None };
-                    grown.unwrap_or_else(|| Arc::clone(screen))
-                });
-                each.collect()
-            }
-            None => Vec::new(),
-        };
-        let mut screens: Vec<Arc<Screen>> = screens;
+        let mut screens = self.screens_later(&settings, after_s)?;
         let mut facts: Map<String, Value> = drops_fact(&settings, on_pane.as_deref())
             .into_iter()
             .chain(coat_facts(&settings, &screens))

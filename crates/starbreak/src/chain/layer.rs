@@ -46,7 +46,7 @@ pub(super) struct OnPane {
     pub(super) deposit: Deposit,
     pub(super) area: Area,
     view: View,
-    /// Where some of it is seen.
+    /// The wiper, while it or the film that it leaves is seen.
     pub(super) wiper: Option<Wiper>,
 }
 

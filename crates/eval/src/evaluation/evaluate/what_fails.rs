@@ -10,7 +10,7 @@ use crate::failure::{
     self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
     new_false_positives, pair_objects, quantile_edges, shifts,
 };
-use crate::protocol::{Boxes, runs_of_categories, sort};
+use crate::protocol::Boxes;
 use crate::statistic::Measured;
 use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule};
 
@@ -81,18 +81,13 @@ fn matches_that_count(
     settings: &EvaluateSettings,
 ) -> Result<Vec<ImageMatches>, EvalError> {
     let least = settings.score_threshold;
-    let mut all = Vec::new();
-    for categories in runs_of_categories(&[boxes]) {
-        let mut matches = boxes.matches(rule, &categories)?;
-        for of_image in &mut matches {
+    boxes.all_matches(rule, |matches| {
+        for of_image in &mut *matches {
             of_image.detections.retain(|it| it.score >= least);
             of_image.detections.shrink_to_fit();
         }
         matches.retain(|it| !it.detections.is_empty() || !it.objects.is_empty());
-        all.extend(matches);
-    }
-    sort(&mut all);
-    Ok(all)
+    })
 }
 
 fn here(pairs: &[ObjectPair], place: Where) -> Vec<ObjectPair> {
