@@ -50,6 +50,7 @@ pub mod lens_faults;
 mod lit_runs;
 mod maps;
 mod masks;
+mod number;
 pub mod paper;
 pub mod photo;
 pub mod physical;

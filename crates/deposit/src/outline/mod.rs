@@ -2,6 +2,7 @@
 //! drop need not be round.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::{Add, Mul, Sub};
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::uniform;
@@ -60,16 +61,20 @@ impl Drawn {
     }
 }
 
-/// A place in a drop, as the place of a round one.
+/// A place in a drop, as the place of a round one; or several, of numbers that hold those of each.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RoundPlace {
+pub struct RoundPlace<N = f64> {
     /// Distance from the middle of a place of a round drop at which the surface is as high, squared: 1 on the outline.
-    pub level: f64,
+    pub level: N,
     /// How fast half of `level` changes to the right and down: on a round drop the place itself.
-    pub slope: [f64; 2],
+    pub slope: [N; 2],
 }
 
-fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+#[inline(always)]
+fn times<N>([a, b]: [N; 2], [c, d]: [N; 2]) -> [N; 2]
+where
+    N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>,
+{
     [a * c - b * d, a * d + b * c]
 }
 
@@ -199,6 +204,7 @@ impl Outline {
         }
         let sizes = self.waves.map(|[a, b]| (a * a + b * b).sqrt());
         let mut radius = 1.0;
+        // Ever farther, as a rule in some steps.
         for _ in 0..12 {
             let mut power = radius;
             let mut square = 1.0;
@@ -206,37 +212,51 @@ impl Outline {
                 power *= radius;
                 square += 2.0 * power * size;
             }
-            radius = square.min(4.0).sqrt();
+            let before = std::mem::replace(&mut radius, square.min(4.0).sqrt());
+            if radius - before < 1e-4 {
+                break;
+            }
         }
         radius / self.stretch
     }
 
     /// What is at a place, of the radius from the middle.
     #[must_use]
-    #[inline]
     pub fn round_place(&self, place: [f64; 2]) -> RoundPlace {
+        let RoundPlace { level, slope } = self.round_places(place, |value| value);
+        let level = level.max(0.0);
+        RoundPlace { level, slope }
+    }
+
+    /// The same of several places side by side, of numbers that hold those of each; `all` makes one that is the same of all.
+    /// In the middle of an uneven drop a level may be somewhat below 0.
+    #[must_use]
+    #[inline(always)]
+    pub fn round_places<N>(&self, place: [N; 2], all: impl Fn(f64) -> N) -> RoundPlace<N>
+    where
+        N: Copy + Add<Output = N> + Sub<Output = N> + Mul<Output = N>,
+    {
         if self.is_round() {
             return RoundPlace {
                 level: place[0] * place[0] + place[1] * place[1],
                 slope: place,
             };
         }
-        let z = place.map(|part| part * self.stretch);
+        let stretch = all(self.stretch);
+        let z = place.map(|part| part * stretch);
         let mut level = z[0] * z[0] + z[1] * z[1];
         let mut slope = z;
         // z to the power of k − 1.
         let mut power = z;
         for ([a, b], k) in self.waves.into_iter().zip(BULGES) {
             // (a − i b) zᵏ⁻¹: its real part is half of a derivative to the right, the imaginary one of that upwards.
-            let [right, up] = times(power, [a, -b]);
-            slope = [slope[0] - k * right, slope[1] + k * up];
-            level -= 2.0 * (right * z[0] - up * z[1]);
+            let [right, up] = times(power, [all(a), all(-b)]);
+            slope = [slope[0] - all(k) * right, slope[1] + all(k) * up];
+            level = level - all(2.0) * (right * z[0] - up * z[1]);
             power = times(power, z);
         }
-        RoundPlace {
-            level: level.max(0.0),
-            slope: slope.map(|part| self.stretch * part),
-        }
+        let slope = slope.map(|part| stretch * part);
+        RoundPlace { level, slope }
     }
 }
 

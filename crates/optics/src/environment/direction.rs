@@ -1,5 +1,6 @@
 //! Which way is up: directions of the world in camera coordinates.
 
+use crate::number::Number;
 use crate::vector::dot;
 
 /// The horizon of a camera without roll, by the direction that is up.
@@ -40,12 +41,20 @@ impl Horizon {
     /// direction.
     #[must_use]
     pub fn sin_elevation(&self, direction: [f64; 3]) -> f64 {
-        let length = dot(direction, direction).sqrt();
-        if length > 0.0 {
-            (dot(self.up, direction) / length).clamp(-1.0, 1.0)
+        if dot(direction, direction) > 0.0 {
+            self.sine_of(direction)
         } else {
             0.0
         }
+    }
+
+    /// The same of a direction of some length.
+    #[inline(always)]
+    pub(crate) fn sine_of<N: Number>(&self, [x, y, z]: [N; 3]) -> N {
+        let [right, down, ahead] = self.up;
+        let length = (x * x + y * y + z * z).sqrt();
+        let up = x.times(right) + y.times(down) + z.times(ahead);
+        (up / length).at_least(-1.0).at_most(1.0)
     }
 
     /// Direction, of length 1, towards a sun at an azimuth (0 straight ahead, positive to the

@@ -9,6 +9,7 @@ use super::samples::{Sample, samples, samples_of};
 use super::sun::sun_color;
 use super::{Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb, luminance};
 use crate::FrameMut;
+use crate::number::Number;
 
 /// Share of the light that a road sends back: asphalt. FIT.
 const ROAD_ALBEDO: f64 = 0.1;
@@ -405,9 +406,11 @@ fn sun_irradiance(ground: f64, sky_white: f64, sin_elevation: f64) -> f64 {
 }
 
 /// 0 up to the first bound, 1 from the second, and without a kink between.
-pub(crate) fn smooth_step(x: f64, [low, high]: [f64; 2]) -> f64 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+#[inline(always)]
+pub(crate) fn smooth_step<N: Number>(x: N, [low, high]: [f64; 2]) -> N {
+    let t = (x - x.all(low)) / x.all(high - low);
+    let t = t.at_least(0.0).at_most(1.0);
+    t * t * t.times(2.0).less_from(3.0)
 }
 
 /// Whether a color is anything but grey.

@@ -1,6 +1,7 @@
 //! A smooth face between two clear media.
 
 use super::{Vector, combine, dot};
+use crate::number::Number;
 
 /// Share of unpolarized light that a smooth face reflects, 0 to 1 (Fresnel).
 ///
@@ -29,12 +30,20 @@ pub fn reflectance(cos_i: f64, eta: f64) -> f64 {
     reflectance_at([cos_i, cos2_t.sqrt()], eta)
 }
 
+/// The same into what is denser, where nothing is reflected totally, for a cosine from 0 to 1.
+#[inline(always)]
+pub(crate) fn reflectance_into<N: Number>(cos_i: N, eta: f64) -> N {
+    let sine2 = (cos_i * cos_i).less_from(1.0) / cos_i.all(eta * eta);
+    reflectance_at([cos_i, sine2.less_from(1.0).sqrt()], eta)
+}
+
 /// The same of the cosines on both sides of the face, where it does not reflect totally.
-#[inline]
-pub(crate) fn reflectance_at([cos_i, cos_t]: [f64; 2], eta: f64) -> f64 {
-    let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    0.5 * (s * s + p * p)
+#[inline(always)]
+pub(crate) fn reflectance_at<N: Number>([cos_i, cos_t]: [N; 2], eta: f64) -> N {
+    let [i, t] = [cos_i, cos_t].map(|cos| cos.times(eta));
+    let s = (cos_i - t) / (cos_i + t);
+    let p = (i - cos_t) / (i + cos_t);
+    (s * s + p * p).times(0.5)
 }
 
 /// The direction in which light that travels along `direction` goes on after a mirror:

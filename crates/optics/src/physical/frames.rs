@@ -3,6 +3,7 @@
 use image::DynamicImage;
 use starbreak_seed::Seed;
 
+use super::elsewhere;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer};
 use super::samples::Sample as _;
@@ -13,8 +14,8 @@ use crate::{Channels, FrameMut, OpticsError};
 #[derive(Debug, Clone, Default)]
 pub struct Gathered {
     /// Light of affected pixels from elsewhere in the frame.
-    rgb: Vec<[[f32; CHUNK]; 3]>,
-    gray: Vec<[[f32; CHUNK]; 1]>,
+    rgb: elsewhere::Gathered<3>,
+    gray: elsewhere::Gathered<1>,
 }
 
 impl Overlay {
@@ -61,7 +62,7 @@ impl OverlayLayer {
         &self,
         frame: &mut FrameMut<'_>,
         noise: Option<&Noise>,
-        elsewhere: &mut Vec<[[f32; CHUNK]; COLORS]>,
+        elsewhere: &mut elsewhere::Gathered<COLORS>,
     ) {
         let (width, height) = frame.size();
         let size = (width as usize, height as usize);
@@ -85,7 +86,7 @@ impl OverlayLayer {
 struct OverFrame<'a, 'f, const COLORS: usize> {
     layer: &'a OverlayLayer,
     frame: &'a mut FrameMut<'f>,
-    elsewhere: &'a [[[f32; CHUNK]; COLORS]],
+    elsewhere: &'a elsewhere::Gathered<COLORS>,
     noise: Option<&'a Noise>,
 }
 
@@ -100,7 +101,8 @@ impl<const COLORS: usize> pulp::WithSimd for OverFrame<'_, '_, COLORS> {
             let codes = &mut codes[..CHUNK.min(width - run.x)];
             self.frame.read((run.x, run.y), codes);
             let keep = self.layer.keep(run);
-            let other = run.elsewhere.map(|place| &self.elsewhere[place]);
+            let other = self.layer.gathered(run, self.elsewhere);
+            let other = other.as_ref();
             let pixels = codes.as_flattened_mut();
             match self.noise {
                 None => run.over::<u8, COLORS, 0>(pixels, keep, other),

@@ -31,7 +31,16 @@ pub(super) enum Spread {
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
     /// light that is tinted.
-    pub(super) fn of_sums(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
+    pub(super) fn of_sums(light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
+        pulp::Arch::new().dispatch(OfSums {
+            light,
+            tint,
+            spread,
+        })
+    }
+
+    #[inline(always)]
+    fn of_sums_here(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
         let (width, height) = light.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
         for k in 0..light.n_runs() {
@@ -57,7 +66,25 @@ impl PatternLayer {
     }
 }
 
+/// All runs of some sums, compiled once more for processors with AVX2, as far as it is inlined. No result depends on it:
+/// nothing is fused.
+struct OfSums<'a> {
+    light: LaneRuns<LANES>,
+    tint: &'a LaneRuns<4>,
+    spread: Spread,
+}
+
+impl pulp::WithSimd for OfSums<'_> {
+    type Output = PatternLayer;
+
+    #[inline(always)]
+    fn with_simd<V: pulp::Simd>(self, _: V) -> PatternLayer {
+        PatternLayer::of_sums_here(self.light, self.tint, self.spread)
+    }
+}
+
 /// Places and widths of the k-th run, whose neighbors to the right and below are sums as yet.
+#[inline(always)]
 fn find_places(light: &mut LaneRuns<LANES>, k: usize, spread: Spread) {
     let (width, height) = light.size();
     let ((x, y), run) = light.nth_mut(k);
@@ -101,6 +128,7 @@ fn doubled_up(width: f32) -> f32 {
 }
 
 /// Sum of the shares of each pixel.
+#[inline(always)]
 fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
     let mut shares = [0.0; CHUNK];
     for lane in &lanes[..N_SHARES] {
@@ -150,11 +178,12 @@ struct Places {
     v: [f32; CHUNK],
 }
 
-/// The place that a pixel shows, px, in the direction of a lane; not a number where it shows none.
-fn place(lanes: &LaneRun<LANES>, lane: usize, k: usize) -> f32 {
-    let share = lanes[FRAME][k];
+/// The place that a pixel of a share shows, px, by the sum of it; not a number where it shows none.
+#[inline(always)]
+fn place(sum: f32, share: f32) -> f32 {
+    let place = sum / share;
     if share > LEAST_ELSEWHERE {
-        lanes[lane][k] / share
+        place
     } else {
         f32::NAN
     }
@@ -166,26 +195,32 @@ impl Places {
         v: [f32::NAN; CHUNK],
     };
 
+    #[inline(always)]
     fn of(lanes: &LaneRun<LANES>) -> Self {
-        let over = |lane: usize| std::array::from_fn(|k| place(lanes, lane, k));
-        Self {
-            u: over(FRAME_U),
-            v: over(FRAME_V),
+        let mut places = Self::NONE;
+        for (to, lane) in [(&mut places.u, FRAME_U), (&mut places.v, FRAME_V)] {
+            let sums = lanes[lane].iter().zip(&lanes[FRAME]);
+            for (to, (sum, share)) in to.iter_mut().zip(sums) {
+                *to = place(*sum, *share);
+            }
         }
+        places
     }
 
     /// The place of the first pixel of a run.
     fn first_of(lanes: &LaneRun<LANES>) -> [f32; 2] {
-        [place(lanes, FRAME_U, 0), place(lanes, FRAME_V, 0)]
+        [FRAME_U, FRAME_V].map(|lane| place(lanes[lane][0], lanes[FRAME][0]))
     }
 
     /// The places, 0 where there is none.
+    #[inline(always)]
     fn or_zero(&self) -> [[f32; CHUNK]; 2] {
         [self.u, self.v].map(|of| of.map(|place| if place.is_nan() { 0.0 } else { place }))
     }
 
     /// The places of the pixels one to the right, up to the first `n`, beyond which there is no
     /// frame; `next` is that of the last one.
+    #[inline(always)]
     fn shift_left(&mut self, next: Option<[f32; 2]>, n: usize) {
         let [u, v] = next.unwrap_or([f32::NAN; 2]);
         for (places, next) in [(&mut self.u, u), (&mut self.v, v)] {
@@ -197,21 +232,25 @@ impl Places {
 
     /// Averages pixels over so much of the frame as the places that they mix spread over: σ/√2 of their standard deviation
     /// σ. Of double that are the cells, lines between which have σ.
+    #[inline(always)]
     fn widths(
         &self,
         squares: &[f32; CHUNK],
         shares: &[f32; CHUNK],
         [x, y]: [f32; 2],
     ) -> [f32; CHUNK] {
-        std::array::from_fn(|k| {
+        let mut widths = [0.0; CHUNK];
+        for (k, width) in widths.iter_mut().enumerate() {
             let (u, v) = (self.u[k] - x, self.v[k] - y);
             // What is not a number is not more.
-            (0.5 * (squares[k] / shares[k] - u * u - v * v).max(0.0)).sqrt()
-        })
+            *width = (0.5 * (squares[k] / shares[k] - u * u - v * v).max(0.0)).sqrt();
+        }
+        widths
     }
 
     /// Averages pixels over more of the frame the faster their place runs away from that of a
     /// neighbor: mirrors mix over about a blur's radius.
+    #[inline(always)]
     fn widen(&self, beside: &Self, blur_px: f32, width: &mut [f32; CHUNK]) {
         for (k, width) in width.iter_mut().enumerate() {
             let (du, dv) = (beside.u[k] - self.u[k], beside.v[k] - self.v[k]);

@@ -6,6 +6,7 @@ use starbreak_glass::CrackNetwork;
 use starbreak_seed::Seed;
 
 use super::defocus::defocus;
+use super::elsewhere::Gathered;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer, Run};
 use super::samples::{Layout, Sample, per_color};
@@ -211,7 +212,7 @@ impl Overlay {
             *light = defocus::<COLORS>(light, size, pupil, scene_px);
         }
         for layer in &self.layers {
-            layer.over_light::<COLORS>(light, size.0);
+            layer.over(Layout::<COLORS, 0>, light, size.0, None);
         }
         if self.optics.veiling_glare > 0.0 {
             veil::<COLORS>(light, self.optics.veiling_glare);
@@ -245,7 +246,7 @@ enum Part {
 }
 
 impl OverlayLayer {
-    /// Over the samples of an image, in place.
+    /// Over the samples of an image, or its light, in place.
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         _: Layout<COLORS, EXTRA>,
@@ -256,7 +257,7 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let mut elsewhere = Vec::new();
+        let mut elsewhere = Gathered::default();
         let light = |x: usize, y: usize| {
             let pixel = &samples[(y * width + x) * stride..][..COLORS];
             std::array::from_fn(|c| pixel[c].light())
@@ -269,27 +270,6 @@ impl OverlayLayer {
             elsewhere: &elsewhere,
             noise,
         });
-    }
-
-    /// Over linear light, in place.
-    fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
-        let height = light.len() / (width * COLORS);
-        let pixels = light.as_chunks::<COLORS>().0;
-        let mut elsewhere = Vec::new();
-        let light_at = |x: usize, y: usize| pixels[y * width + x];
-        self.gather::<COLORS>((width, height), light_at, &mut elsewhere);
-        for run in &self.runs {
-            let n = CHUNK.min(width - run.x);
-            let first = (run.y * width + run.x) * COLORS;
-            let other = run.elsewhere.map(|place| &elsewhere[place]);
-            for k in 0..n {
-                let (keep, add) = run.pixel(k, self.keep(run), other);
-                for c in 0..COLORS {
-                    let light = &mut light[first + k * COLORS + c];
-                    *light = *light * keep[c] + add[c];
-                }
-            }
-        }
     }
 
     /// Adds noise to samples that have been rendered without.
@@ -323,7 +303,7 @@ struct OverRuns<'a, S, const COLORS: usize, const EXTRA: usize> {
     layer: &'a OverlayLayer,
     samples: &'a mut [S],
     width: usize,
-    elsewhere: &'a [[[f32; CHUNK]; COLORS]],
+    elsewhere: &'a Gathered<COLORS>,
     noise: Option<&'a Noise>,
 }
 
@@ -340,7 +320,8 @@ impl<S: Sample, const COLORS: usize, const EXTRA: usize> pulp::WithSimd
             let first = (run.y * self.width + run.x) * stride;
             let pixels = &mut self.samples[first..first + n * stride];
             let keep = self.layer.keep(run);
-            let other = run.elsewhere.map(|place| &self.elsewhere[place]);
+            let other = self.layer.gathered(run, self.elsewhere);
+            let other = other.as_ref();
             match self.noise {
                 None => run.over::<S, COLORS, EXTRA>(pixels, keep, other),
                 Some(noise) => run.over_with_noise::<S, COLORS, EXTRA>(

@@ -52,6 +52,24 @@ impl Sample for u16 {
     }
 }
 
+/// Linear light itself, which may be brighter than white.
+impl Sample for f32 {
+    #[inline(always)]
+    fn light(self) -> f32 {
+        self
+    }
+
+    #[inline(always)]
+    fn bin(_: f32) -> u32 {
+        0
+    }
+
+    #[inline(always)]
+    fn code_in(_: u32, light: f32) -> Self {
+        light
+    }
+}
+
 /// How samples lie in a buffer: `COLORS` of them per pixel, then `EXTRA` that are left alone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout<const COLORS: usize, const EXTRA: usize>;

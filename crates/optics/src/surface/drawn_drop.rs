@@ -1,15 +1,17 @@
 //! Drops cell by cell.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::f64::consts::PI;
 use std::ops::Range;
 
-use starbreak_deposit::{Cap, RoundPlace};
+use starbreak_deposit::RoundPlace;
 
-use super::SheetView;
-use super::drops::{Drop, LEAST_PX, RIM, Sight};
+use super::drops::{Drop, RIM};
 use super::lobe::LANES;
+use super::rays::{MOST, Rays, Seen};
+use super::seen_at::{Extent, SeenAt, least_radius, straight};
+use super::water::Sight;
 use crate::maps::{Drawn, add_arrays, cells_per_px};
-use crate::vector::Vector;
+use crate::number::Number;
 
 /// Least radius of a drop along its shorter side, in rays: where cells are wider, several rays share one, so many along a
 /// side at most.
@@ -31,27 +33,7 @@ pub(super) const SOFT_PX: f64 = 1.0;
 /// Greatest radius along the longer side, of the focal length, of a drop across which places and directions change evenly.
 const NARROW: f64 = 0.006;
 
-/// Directions around a drop by which its outline is known, and how far from its middle that lies, of its radius: beyond
-/// the sides between them.
-const AROUND: [[f64; 2]; 16] = {
-    let [a, b, c] = [
-        0.923_879_532_511_286_7,
-        FRAC_1_SQRT_2,
-        0.382_683_432_365_089_8,
-    ];
-    let quarter = [[1.0, 0.0], [a, c], [b, b], [c, a]];
-    let mut around = [[0.0; 2]; 16];
-    let mut k = 0;
-    while k < 4 {
-        let [x, y] = quarter[k];
-        around[k] = [x, y];
-        around[k + 4] = [-y, x];
-        around[k + 8] = [-x, -y];
-        around[k + 12] = [y, -x];
-        k += 1;
-    }
-    around
-};
+/// How much farther than its outline a drop reaches: beyond the sides between the directions by which that is known.
 const BEYOND: f64 = 1.1;
 
 /// A drop that is drawn cell by cell, by one ray or several in each.
@@ -89,7 +71,7 @@ struct Narrow {
 impl<'a> DrawnDrop<'a> {
     /// As far as it lies in the frame, or its blur by a pupil that reaches so many of its radii from its middle reaches into
     /// it; none elsewhere.
-    pub(super) fn of(drop: Drop<'a>, seen: &Seen, pupil_reach: f64) -> Option<Self> {
+    pub(super) fn of(drop: Drop<'a>, seen: &SeenAt, pupil_reach: f64) -> Option<Self> {
         let sheet = drop.water.from.sheet;
         let blur_px = seen.blur_px;
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
@@ -157,9 +139,11 @@ impl<'a> DrawnDrop<'a> {
             return;
         }
         let mut parts = 0.0;
-        for at in (self.rows.clone()).flat_map(|y| self.columns.clone().map(move |x| [x, y])) {
-            if let Some((part, _)) = self.place(at).and_then(|place| self.part(at, place)) {
-                parts += part;
+        for y in self.rows.clone() {
+            for x in self.across(y) {
+                let offset = self.offset([x, y].map(f64::from));
+                let place = straight(&self.per_ray, offset);
+                parts += self.within_reach(place, 1.0) * self.part(offset, place).0;
             }
         }
         let [[a, b], [c, d]] = self.per_ray;
@@ -168,101 +152,106 @@ impl<'a> DrawnDrop<'a> {
         self.share *= PI / (a * d - b * c).abs() / parts;
     }
 
-    /// The place that a ray looks at, of the drop's radius from its middle, as far as that changes evenly; none of nearly
-    /// all rays that do not meet the drop.
-    fn place(&self, at: [i32; 2]) -> Option<[f64; 2]> {
-        let place = straight(&self.per_ray, self.offset(at));
-        let square = place[0] * place[0] + place[1] * place[1];
-        (square < self.reach * self.reach).then_some(place)
+    /// Columns of a row of rays, or some more, that meet the drop as far as places change evenly.
+    fn across(&self, row: i32) -> Range<i32> {
+        let [[a, b], along_y] = self.per_ray;
+        let [_, down] = self.offset([0.0, f64::from(row)]);
+        let [x, y] = along_y.map(|part| down * part);
+        // Where t (a, b) + (x, y) is so far from the middle.
+        let (square, half) = (a * a + b * b, a * x + b * y);
+        let root = half * half - square * (x * x + y * y - self.reach * self.reach);
+        let root = root.max(0.0).sqrt();
+        #[expect(clippy::cast_possible_truncation, reason = "`as` clamps")]
+        let [first, end] = [-root, root].map(|root| {
+            let column = (root - half) / square + self.middle[0] - 0.5;
+            if root < 0.0 {
+                column.floor() as i32
+            } else {
+                column.ceil() as i32
+            }
+        });
+        let first = first.max(self.columns.start);
+        first..end.saturating_add(1).min(self.columns.end).max(first)
+    }
+
+    /// A share of rays, if the place that they look at may be in the drop as far as places change evenly; else nothing.
+    #[inline(always)]
+    fn within_reach<N: Number>(&self, [x, y]: [N; 2], share: N) -> N {
+        let square = x * x + y * y;
+        square.below(x.all(self.reach * self.reach), [share, x.all(0.0)])
     }
 
     /// From the middle of the drop to a ray, in rays.
-    fn offset(&self, at: [i32; 2]) -> [f64; 2] {
-        [0, 1].map(|k| f64::from(at[k]) + 0.5 - self.middle[k])
+    #[inline(always)]
+    fn offset<N: Number>(&self, at: [N; 2]) -> [N; 2] {
+        [0, 1].map(|k| at[k] + at[k].all(0.5) - at[k].all(self.middle[k]))
     }
 
     /// How much of its cell a ray stands for that looks at a place, and where that is on a round drop.
-    fn part(&self, at: [i32; 2], place: [f64; 2]) -> Option<(f64, RoundPlace)> {
-        let whole = self.drop.cap.outline.round_place(place);
-        if whole.level < self.whole_within {
-            return Some((1.0, whole));
+    #[inline(always)]
+    fn part<N: Number>(&self, offset: [N; 2], place: [N; 2]) -> (N, RoundPlace<N>) {
+        let all = |value: f64| offset[0].all(value);
+        let RoundPlace { level, slope } = self.drop.cap.outline.round_places(place, all);
+        let level = level.at_least(0.0);
+        let whole = (all(1.0), RoundPlace { level, slope });
+        if level.are_below(self.whole_within) {
+            return whole;
         }
-        let RoundPlace { level, slope } = whole;
-        let away = level.sqrt().max(1e-9);
-        let [right, down] = slope.map(|part| part / away);
+        let rim = self.at_rim(offset, &whole.1);
+        let either = |two: [N; 2]| level.below(all(self.whole_within), two);
+        let place = RoundPlace {
+            level: either([level, rim.1.level]),
+            slope: [0, 1].map(|k| either([slope[k], rim.1.slope[k]])),
+        };
+        (either([whole.0, rim.0]), place)
+    }
+
+    /// The same of a ray that may stand for a part of the drop alone.
+    #[inline(always)]
+    fn at_rim<N: Number>(
+        &self,
+        [right, down]: [N; 2],
+        RoundPlace { level, slope }: &RoundPlace<N>,
+    ) -> (N, RoundPlace<N>) {
+        let within = |number: N| number.at_least(0.0).at_most(1.0);
+        let away = level.sqrt().at_least(1e-9);
+        let [x, y] = slope.map(|part| part / away);
         // The rim is as many rays away as it takes to come there by the fastest way. Over all places that the rays may have,
         // this covers π (ρ² + 1/12) of a circle of ρ rays, hence the smaller one.
-        let [x, y] = self.per_ray.map(|[a, b]| a * right + b * down);
+        let [x, y] = self.per_ray.map(|[a, b]| x.times(a) + y.times(b));
         let square = x * x + y * y;
-        let (rim, of_ray) = ((1.0 - square / 12.0).max(0.0).sqrt(), square.sqrt());
-        let part = ((rim - away) / of_ray + 0.5).min(1.0);
-        if part <= 0.0 {
-            return None;
-        }
-        let inside = if of_ray * MANY_RAYS < 1.0 {
-            away.min(1.0 - 0.5 * part * of_ray)
-        } else {
-            // Of few rays anywhere in what they stand for, evenly by area, so that the dark edge has its share.
-            let [x, y] = self.offset(at);
-            let turn = x * DITHER[0] + y * DITHER[1];
-            let ends = [away - 0.5 * of_ray, away + 0.5 * of_ray];
-            let ends = ends.map(|end| end.clamp(0.0, 1.0));
-            let [inner, outer] = ends.map(|end| end * end);
-            (inner + (turn - turn.floor()) * (outer - inner)).sqrt()
-        };
-        let inside = inside.clamp(0.0, RIM);
+        let of_ray = square.sqrt();
+        let rim = (square / square.all(12.0)).less_from(1.0);
+        let rim = rim.at_least(0.0).sqrt();
+        let part = within((rim - away) / of_ray + away.all(0.5));
+        let middle = (part * of_ray).times(0.5).less_from(1.0);
+        let middle = middle.below(away, [middle, away]);
+        // Of few rays anywhere in what they stand for, evenly by area, so that the dark edge has its share.
+        let turn = (right.times(DITHER[0]) + down.times(DITHER[1])).fraction();
+        let half = of_ray.times(0.5);
+        let [inner, outer] = [away - half, away + half].map(|end| within(end) * within(end));
+        let anywhere = (inner + turn * (outer - inner)).sqrt();
+        let inside = of_ray
+            .times(MANY_RAYS)
+            .below(of_ray.all(1.0), [middle, anywhere]);
+        let inside = inside.at_least(0.0).at_most(RIM);
         // The way there is a ray or so: that bulges of more than two waves fade faster inwards is left out.
         let place = RoundPlace {
             level: inside * inside,
             slope: slope.map(|part| inside / away * part),
         };
-        Some((part, place))
+        (part, place)
     }
 
-    /// What a ray shows; none where it stands for nothing of the drop.
-    fn ray(&self, at: [i32; 2]) -> Option<[f32; LANES]> {
-        let place = self.place(at)?;
-        let (place, sight) = match &self.narrow {
-            Some(Narrow { sight, per_ray }) => {
-                let [x, y] = straight(per_ray, self.offset(at));
-                let along = [sight.along[0] + x, sight.along[1] + y];
-                (place, Sight { along, ..*sight })
-            }
-            None => {
-                let (cap, sheet) = (&self.drop.cap, self.drop.water.from.sheet);
-                let px = at.map(|k| (f64::from(k) + 0.5) / self.rays_per_px);
-                let (at_mm, sight) = sheet.behind(px, sheet.outer_mm())?;
-                let place = [0, 1].map(|k| (at_mm[k] - cap.at_mm[k]) / cap.radius_mm);
-                (place, self.drop.water.sight(sight))
-            }
+    /// The rays of a cell.
+    fn rays_of(&self, cell: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
+        let of_cell = self.of_cell.cast_signed();
+        let rays = |cell: i32, all: &Range<i32>| {
+            let first = cell * of_cell;
+            first.max(all.start)..(first + of_cell).min(all.end)
         };
-        let (part, place) = self.part(at, place)?;
-        let share = self.share * part;
-        let sent = match self.drop.cap.outline.is_round() {
-            true => self.drop.water.seen(place.slope, &sight),
-            false => self.drop.water.seen_in(place, &sight),
-        };
-        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-        let lanes = sent.lanes.map(|lane| (share * lane) as f32);
-        Some(lanes)
-    }
-
-    /// The rays of a cell together.
-    fn cell(&self, column: i32, row: i32) -> Option<[f32; LANES]> {
-        if self.of_cell == 1 {
-            return self.ray([column, row]);
-        }
-        let [columns, rows] = [(column, &self.columns), (row, &self.rows)].map(|(cell, all)| {
-            let first = cell * self.of_cell.cast_signed();
-            first.max(all.start)..(first + self.of_cell.cast_signed()).min(all.end)
-        });
-        let mut sum = None;
-        for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
-            if let Some(lanes) = self.ray([x, y]) {
-                sum = Some(add_arrays(sum.unwrap_or([0.0; LANES]), lanes));
-            }
-        }
-        sum
+        let (columns, rows) = (rays(cell[0], &self.columns), rays(cell[1], &self.rows));
+        rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
     }
 
     /// The cells of some rays.
@@ -285,105 +274,117 @@ impl Drawn<LANES> for DrawnDrop<'_> {
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
-        for column in self.cells(&self.columns) {
-            if let Some(lanes) = self.cell(column, row) {
-                add(column, lanes);
+        let mut cells = Cells {
+            drop: self,
+            rays: Rays::default(),
+            columns: [0; MOST],
+            n: 0,
+            last: None,
+            add,
+        };
+        let columns = match self.of_cell {
+            1 => self.across(row),
+            _ => self.cells(&self.columns),
+        };
+        for column in columns {
+            for at in self.rays_of([column, row]) {
+                cells.send(column, at);
             }
         }
+        cells.finish();
     }
 }
 
-/// Where a drop is seen, about its middle.
-pub(super) struct Seen {
-    /// Where the ray of sight to its middle enters the pane.
-    pub(super) enters_mm: [f64; 2],
-    pub(super) at_px: [f64; 2],
-    /// Signed radius of its blur.
-    pub(super) blur_px: f64,
-    /// Direction of sight before the glass.
-    sight: Vector,
-    /// Change of the place on the outer face, of the drop's radius, and of the direction, per px along x and along y.
-    pub(super) places_per_px: [[f64; 2]; 2],
-    turns_per_px: [[f64; 2]; 2],
-}
-
-impl Seen {
-    /// None of one that is farther from the frame than so many px and some of its own radii, or too small to be seen.
-    pub(super) fn of(cap: &Cap, sheet: &SheetView, reach_px: f64) -> Option<Self> {
-        let [[px_per_mm, _], _] = sheet.view().jacobian(cap.at_mm)?;
-        let radius_px = px_per_mm * cap.radius_mm;
-        if radius_px < LEAST_PX {
-            return None;
-        }
-        let enters_mm = sheet.entry(cap.at_mm, sheet.outer_mm(), [0.0; 2])?;
-        let at_px = sheet.appears(enters_mm, [0.0; 2])?;
-        let (width, height) = sheet.view().size();
-        let far_px = reach_px + 4.0 * radius_px;
-        let is_far = |px: f64, side: u32| !(-far_px..f64::from(side) + far_px).contains(&px);
-        if is_far(at_px[0], width) || is_far(at_px[1], height) {
-            return None;
-        }
-        let behind = |right_px: f64, down_px: f64| {
-            let px = [at_px[0] + right_px, at_px[1] + down_px];
-            sheet.behind(px, sheet.outer_mm())
-        };
-        let (mut places_per_px, mut turns_per_px) = ([[0.0; 2]; 2], [[0.0; 2]; 2]);
-        for (axis, [right, down]) in [[0.5, 0.0], [0.0, 0.5]].into_iter().enumerate() {
-            let [from, to] = [behind(-right, -down)?, behind(right, down)?];
-            for k in 0..2 {
-                places_per_px[axis][k] = (to.0[k] - from.0[k]) / cap.radius_mm;
-                turns_per_px[axis][k] = to.1[k] - from.1[k];
+impl Seen for DrawnDrop<'_> {
+    #[inline(always)]
+    fn along<N: Number>(&self, at: [N; 2]) -> (N, [N; LANES]) {
+        let (Drop { cap, water, .. }, none) = (&self.drop, at[0].all(0.0));
+        let offset = self.offset(at);
+        let place = straight(&self.per_ray, offset);
+        let share = self.within_reach(place, none.all(self.share));
+        let (share, place, sight) = match &self.narrow {
+            Some(Narrow { sight, per_ray }) => {
+                let by = straight(per_ray, offset);
+                let along = [0, 1].map(|k| by[k] + none.all(sight.along[k]));
+                (share, place, sight.of_all(along))
             }
+            None => {
+                let px = at.map(|k| (k + k.all(0.5)) / k.all(self.rays_per_px));
+                let outer_mm = water.from.sheet.outer_mm();
+                let (at_mm, sight, is_seen) = water.from.sheet.behind_each(px, outer_mm);
+                let place =
+                    [0, 1].map(|k| (at_mm[k] - none.all(cap.at_mm[k])) / none.all(cap.radius_mm));
+                let share = none.below(is_seen, [share, none]);
+                (share, place, water.sight(sight))
+            }
+        };
+        let (part, RoundPlace { level, slope }) = self.part(offset, place);
+        let share = share * part;
+        if !share.is_above(0.0) {
+            return (none, [none; LANES]);
         }
-        Some(Self {
-            enters_mm,
-            at_px,
-            blur_px: sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?,
-            sight: behind(0.0, 0.0)?.1,
-            places_per_px,
-            turns_per_px,
-        })
+        let at = match cap.outline.is_round() {
+            true => water.in_round(slope),
+            false => water.in_uneven(level, slope),
+        };
+        (share, water.seen(at, &sight))
     }
 }
 
-/// What a drop reaches to.
-struct Extent {
-    /// How far from its middle, of its radius, by the change of the place about its middle alone.
-    reach: f64,
-    /// The same in px, and from where to where across and down.
-    widest_px: f64,
-    spans_px: [[f64; 2]; 2],
+/// The cells of a row, as what their rays show becomes known.
+struct Cells<'a> {
+    drop: &'a DrawnDrop<'a>,
+    rays: Rays,
+    /// Of each ray that waits its cell.
+    columns: [i32; MOST],
+    n: usize,
+    /// The last cell, as far as its rays were followed.
+    last: Option<(i32, [f32; LANES])>,
+    add: &'a mut dyn FnMut(i32, [f32; LANES]),
 }
 
-impl Extent {
-    /// Of so many times its radius.
-    fn of(drop: &Drop<'_>, seen: &Seen, times: f64) -> Self {
-        let mut extent = Self {
-            reach: 0.0,
-            widest_px: 0.0,
-            spans_px: [[f64::INFINITY, f64::NEG_INFINITY]; 2],
-        };
-        let radius_mm = times * drop.cap.radius_mm;
-        for [cos, sin] in AROUND {
-            let [x, y] = drop.cap.at_mm;
-            let Some(at) = drop.appears([x + radius_mm * cos, y + radius_mm * sin]) else {
-                // Some of it lies beside the camera: it may be everywhere.
-                return Self {
-                    reach: f64::INFINITY,
-                    widest_px: f64::INFINITY,
-                    spans_px: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
-                };
-            };
-            let px = [0, 1].map(|k| at[k] - seen.at_px[k]);
-            let place = straight(&seen.places_per_px, px);
-            let [away, px] = [place, px].map(|[x, y]| libm::hypot(x, y));
-            extent.reach = extent.reach.max(away);
-            extent.widest_px = extent.widest_px.max(px);
-            for (span, at) in extent.spans_px.iter_mut().zip(at) {
-                *span = [span[0].min(at), span[1].max(at)];
-            }
+impl Cells<'_> {
+    fn send(&mut self, column: i32, at: [i32; 2]) {
+        self.columns[self.n] = column;
+        for (places, at) in self.rays.places.iter_mut().zip(at) {
+            places[self.n] = f64::from(at);
         }
-        extent
+        self.n += 1;
+        if self.n == MOST {
+            self.follow();
+        }
+    }
+
+    fn follow(&mut self) {
+        let n = std::mem::take(&mut self.n);
+        self.rays.follow(n, self.drop);
+        for k in 0..n {
+            let (column, share) = (self.columns[k], self.rays.shares[k]);
+            if share <= 0.0 {
+                continue;
+            }
+            #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+            let lanes = self.rays.lanes[k].map(|lane| (share * lane) as f32);
+            self.last = Some(match self.last.take() {
+                Some((last, sum)) if last == column => (column, add_arrays(sum, lanes)),
+                last => {
+                    self.hand_on(last);
+                    (column, lanes)
+                }
+            });
+        }
+    }
+
+    fn hand_on(&mut self, cell: Option<(i32, [f32; LANES])>) {
+        if let Some((column, lanes)) = cell {
+            (self.add)(column, lanes);
+        }
+    }
+
+    fn finish(mut self) {
+        self.follow();
+        let last = self.last.take();
+        self.hand_on(last);
     }
 }
 
@@ -392,19 +393,4 @@ fn whole_within(of_ray: f64) -> f64 {
     let rim = (1.0 - of_ray * of_ray / 12.0).max(0.0).sqrt();
     let within = (rim - of_ray).clamp(0.0, RIM - 0.5 * of_ray);
     within * within
-}
-
-/// What is some steps away, by the change per step along x and along y.
-pub(super) fn straight([along_x, along_y]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|k| x * along_x[k] + y * along_y[k])
-}
-
-/// Steps to the rim of a drop along its shorter side, by the change of the place, of its radius, per step.
-pub(super) fn least_radius([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
-    // The inverse of the larger singular value.
-    let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
-    let root = (sum * sum - 4.0 * determinant * determinant)
-        .max(0.0)
-        .sqrt();
-    1.0 / (0.5 * (sum + root)).sqrt()
 }

@@ -3,8 +3,11 @@
 //! Of one contact angle, what a drop shows is the same whatever its size, and depends on the direction of sight alone.
 //! So it is found at some places of the frame, by many rays each, and lies on straight lines between them.
 
-use super::drops::{RIM, Water};
+use super::drops::RIM;
 use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, SQUARE};
+use super::rays::{MOST, Rays, Seen};
+use super::water::{Sight, Water};
+use crate::number::Number;
 
 /// From one of these places to the next, of the focal length, and the most on a side of the frame.
 const STEP: f64 = 0.2;
@@ -40,22 +43,44 @@ fn mean_and_slopes(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]>
     let middle = middle_px(sheet.view().size());
     let (mut sums, mut squares) = ([[0.0; LANES]; 3], [0.0; 3]);
     let place = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(RAYS) - 1.0;
-    for (x, y) in (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| (place(x), place(y)))) {
-        let away = (x * x + y * y).sqrt();
-        if away > 1.0 {
-            continue;
+    let places = (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| [place(x), place(y)]));
+    let places: Vec<[f64; 2]> = places.filter(|[x, y]| x * x + y * y <= 1.0).collect();
+    let seen = Glimpsed { water, sight };
+    let mut rays = Rays::default();
+    for places in places.chunks(MOST) {
+        for (k, [x, y]) in places.iter().enumerate() {
+            let inside = (RIM / (x * x + y * y).sqrt()).min(1.0);
+            [rays.places[0][k], rays.places[1][k]] = [inside * x, inside * y];
         }
-        let inside = (RIM / away).min(1.0);
-        let mut lanes = water.seen([inside * x, inside * y], &sight).lanes;
-        seen_from(&mut lanes, px, middle);
-        for (k, by) in [1.0, x, y].into_iter().enumerate() {
-            squares[k] += by * by;
-            for (sum, lane) in sums[k].iter_mut().zip(lanes) {
-                *sum += by * lane;
+        rays.follow(places.len(), &seen);
+        for ([x, y], mut lanes) in places.iter().zip(rays.lanes) {
+            seen_from(&mut lanes, px, middle);
+            for (k, by) in [1.0, *x, *y].into_iter().enumerate() {
+                squares[k] += by * by;
+                for (sum, lane) in sums[k].iter_mut().zip(lanes) {
+                    *sum += by * lane;
+                }
             }
         }
     }
     Some([0, 1, 2].map(|k| sums[k].map(|sum| sum / squares[k])))
+}
+
+/// A round drop along one direction of sight.
+struct Glimpsed<'a> {
+    water: &'a Water<'a>,
+    sight: Sight,
+}
+
+impl Seen for Glimpsed<'_> {
+    #[inline(always)]
+    fn along<N: Number>(&self, at: [N; 2]) -> (N, [N; LANES]) {
+        let sight = self
+            .sight
+            .of_all(self.sight.along.map(|part| at[0].all(part)));
+        let lanes = self.water.seen(self.water.in_round(at), &sight);
+        (at[0].all(1.0), lanes)
+    }
 }
 
 /// The middle of the frame, px.

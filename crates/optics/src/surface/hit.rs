@@ -243,7 +243,7 @@ impl Patch<'_, '_> {
         let mut sent = Sent::default();
         match refract(into_glass(sight, sheet.index), normal, sheet.index) {
             Some(out) => {
-                (self.from).seen(&mut sent, sheet.camera_from_sheet(out), share);
+                (self.from).seen(&mut sent.lanes, sheet.camera_from_sheet(out), share);
             }
             None => sent.lanes[HELD] = share,
         }
@@ -301,7 +301,7 @@ impl Patch<'_, '_> {
                     .rgb(inside[2], thickest_um * left * left.sqrt());
                 let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
                 let mut sent = Sent::default();
-                self.from.before(sight).mirror_cabin(&mut sent, mean);
+                self.from.before(sight).mirror_cabin(&mut sent.lanes, mean);
                 sent.tint = rgb.map(|color| color - mean);
                 self.add(cell, middle, depth, &sent);
             }

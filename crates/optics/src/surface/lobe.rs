@@ -5,9 +5,10 @@ use std::f64::consts::FRAC_1_PI;
 use super::SheetView;
 use super::roughness::{MIRROR_ALPHA, NARROW_ALPHA, Sampled, Way};
 use crate::environment::{HemisphereWeights, Horizon, smooth_step};
-use crate::interface::fresnel::reflectance;
+use crate::interface::fresnel::{reflectance, reflectance_into};
 use crate::interface::gap::GapTable;
 use crate::interface::ggx::Glint;
+use crate::number::Number;
 use crate::vector::{Vector, dot};
 
 /// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin as it
@@ -67,11 +68,11 @@ pub(crate) struct Mirror {
 
 /// The face towards the camera along a direction of sight.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Before {
+pub(super) struct Before<N = f64> {
     /// What it reflects.
-    pub(super) reflects: f64,
+    pub(super) reflects: N,
     /// How much of the cabin's light in it is that of the upper end.
-    cabin_high: f64,
+    pub(super) cabin_high: N,
 }
 
 /// What a surface sends to the camera.
@@ -146,7 +147,7 @@ impl LightFrom<'_> {
         sent.lanes = sent.lanes.map(|lane| face * lane);
         let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
         let behind = face * (1.0 - face) / (1.0 + face);
-        before.mirror_cabin(&mut sent, -all * (1.0 - behind));
+        before.mirror_cabin(&mut sent.lanes, -all * (1.0 - behind));
         sent
     }
 
@@ -205,17 +206,18 @@ impl LightFrom<'_> {
     }
 
     /// What the face towards the camera does to light along a direction of sight.
-    pub(super) fn before(&self, [x, y, z]: Vector) -> Before {
+    #[inline(always)]
+    pub(super) fn before<N: Number>(&self, [x, y, z]: [N; 3]) -> Before<N> {
         Before {
-            reflects: reflectance(z, self.sheet.index),
-            cabin_high: self.cabin_high([x, y, -z]),
+            reflects: reflectance_into(z, self.sheet.index),
+            cabin_high: self.cabin_high([x, y, z.less_from(0.0)]),
         }
     }
 
     /// Follows a share of sight from a surface on, against the way of light. The face towards the
     /// camera reflects R_s of it before it comes to the surface.
     pub(super) fn follow(&self, sent: &mut Sent, before: &Before, direction: Vector, share: f64) {
-        before.mirror_cabin(sent, share * before.reflects);
+        before.mirror_cabin(&mut sent.lanes, share * before.reflects);
         self.leave(sent, before, direction, share * (1.0 - before.reflects));
     }
 
@@ -254,48 +256,52 @@ impl LightFrom<'_> {
         let cos = (1.0 - n * n * (x * x + y * y)).max(0.0).sqrt();
         let out = [n * x, n * y, cos.copysign(z)];
         if z <= 0.0 {
-            return self.cabin(sent, out, share);
+            return self.cabin(&mut sent.lanes, out, share);
         }
         let seen = share * (1.0 + before.reflects) / (1.0 - before.reflects);
-        before.mirror_cabin(sent, share - seen);
-        self.seen(sent, self.sheet.camera_from_sheet(out), seen);
+        before.mirror_cabin(&mut sent.lanes, share - seen);
+        self.seen(&mut sent.lanes, self.sheet.camera_from_sheet(out), seen);
     }
 
     /// Adds the cabin's light from a direction, in the sheet's coordinates.
-    pub(super) fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
-        add_cabin(sent, self.cabin_high(direction), share);
+    #[inline(always)]
+    pub(super) fn cabin<N: Number>(&self, lanes: &mut [N; LANES], direction: [N; 3], share: N) {
+        add_cabin(lanes, self.cabin_high(direction), share);
     }
 
     /// How much of the cabin's light from a direction is that of its upper end.
-    fn cabin_high(&self, direction: Vector) -> f64 {
-        let direction = self.sheet.camera_from_sheet(direction);
-        0.5 * (1.0 + self.horizon.sin_elevation(direction))
+    #[inline(always)]
+    fn cabin_high<N: Number>(&self, direction: [N; 3]) -> N {
+        let sine = self
+            .horizon
+            .sine_of(self.sheet.camera_from_sheet(direction));
+        (sine + sine.all(1.0)).times(0.5)
     }
 
     /// Adds the light of one direction, in camera coordinates: what the image shows there, and beyond its border what the
     /// border shows, which fades into the environment.
-    pub(crate) fn seen(&self, sent: &mut Sent, direction: [f64; 3], share: f64) {
-        let mut beyond = share;
-        if let Some(([u, v], away_px)) = self.sheet.nearest_in_frame(direction) {
-            let shown = share * smooth_step(1.0 - away_px / self.fades_over_px, [0.0, 1.0]);
-            sent.lanes[FRAME] += shown;
-            sent.lanes[FRAME_U] += shown * u;
-            sent.lanes[FRAME_V] += shown * v;
-            let (width, height) = self.sheet.view().size();
-            let (x, y) = (u - 0.5 * f64::from(width), v - 0.5 * f64::from(height));
-            sent.lanes[SQUARE] += shown * (x * x + y * y);
-            beyond -= shown;
-        }
-        if beyond <= 0.0 {
+    #[inline(always)]
+    pub(crate) fn seen<N: Number>(&self, lanes: &mut [N; LANES], direction: [N; 3], share: N) {
+        let ([u, v], away_px) = self.sheet.nearest_in_frame(direction);
+        let near = (away_px / share.all(self.fades_over_px)).less_from(1.0);
+        let shown = share * smooth_step(near, [0.0, 1.0]);
+        let (width, height) = self.sheet.view().size();
+        let x = u - share.all(0.5 * f64::from(width));
+        let y = v - share.all(0.5 * f64::from(height));
+        add(lanes, FRAME, shown);
+        add(lanes, FRAME_U, shown * u);
+        add(lanes, FRAME_V, shown * v);
+        add(lanes, SQUARE, shown * (x * x + y * y));
+        let beyond = share - shown;
+        if !beyond.is_above(0.0) {
             return;
         }
-        let sine = self.horizon.sin_elevation(direction);
-        if sine < 0.0 {
-            sent.lanes[GROUND] += beyond;
-        } else {
-            sent.lanes[HORIZON] += beyond * (1.0 - sine);
-            sent.lanes[ZENITH] += beyond * sine;
-        }
+        let sine = self.horizon.sine_of(direction);
+        let none = share.all(0.0);
+        let [ground, sky] = [[beyond, none], [none, beyond]].map(|two| sine.below(none, two));
+        add(lanes, GROUND, ground);
+        add(lanes, HORIZON, sky * sine.less_from(1.0));
+        add(lanes, ZENITH, sky * sine);
     }
 
     /// Adds light that comes evenly from both sides of the sheet, as a white surface sends it.
@@ -315,18 +321,26 @@ impl LightFrom<'_> {
     }
 }
 
-impl Before {
+impl<N: Number> Before<N> {
     /// Adds the cabin's light as the face towards the camera mirrors it.
-    pub(super) fn mirror_cabin(&self, sent: &mut Sent, share: f64) {
-        add_cabin(sent, self.cabin_high, share);
+    #[inline(always)]
+    pub(super) fn mirror_cabin(&self, lanes: &mut [N; LANES], share: N) {
+        add_cabin(lanes, self.cabin_high, share);
     }
 }
 
 /// Adds the cabin's light, so much of which is that of its upper end.
-fn add_cabin(sent: &mut Sent, part_high: f64, share: f64) {
+#[inline(always)]
+fn add_cabin<N: Number>(lanes: &mut [N; LANES], part_high: N, share: N) {
     let high = part_high * share;
-    sent.lanes[CABIN_HIGH] += high;
-    sent.lanes[CABIN_LOW] += share - high;
+    add(lanes, CABIN_HIGH, high);
+    add(lanes, CABIN_LOW, share - high);
+}
+
+/// Adds to one of the lanes.
+#[inline(always)]
+pub(super) fn add<N: Number>(lanes: &mut [N; LANES], lane: usize, share: N) {
+    lanes[lane] = lanes[lane] + share;
 }
 
 /// The cosine at which sight meets a surface, and its normal on the side of sight; none along it.

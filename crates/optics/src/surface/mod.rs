@@ -17,14 +17,17 @@ mod hit;
 mod kept_drops;
 mod lobe;
 mod params;
+mod rays;
 mod relief;
 mod roughness;
 mod runs;
+mod seen_at;
 mod sheet;
 mod small_drop;
 mod strip;
 mod walk;
 mod walls;
+mod water;
 mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};

@@ -4,6 +4,7 @@ use starbreak_glass::LengthUnit;
 
 use crate::camera::Pinhole;
 use crate::lens::Lens;
+use crate::number::Number;
 use crate::surface::Glass;
 use crate::{OpticsError, View};
 
@@ -41,6 +42,9 @@ const CLOSE_ROUNDS: u32 = 64;
 
 /// Ratio of depth over index to distance above which a whole step of the search may go too far.
 const FAR_STEP: f64 = 0.5;
+
+/// Sine of the angle to the plane of the pupil up to which a direction is not before the camera.
+const NEAREST: f64 = 1e-6;
 
 /// A place is found when the round after would move it by less than this share of the thickness.
 const CLOSE: f64 = 1e-4;
@@ -113,43 +117,85 @@ impl SheetView {
 
     /// The point at a depth that is seen at a point of the frame, px, and the direction of sight to it before the glass.
     pub(crate) fn behind(&self, px: [f64; 2], depth_mm: f64) -> Option<([f64; 2], [f64; 3])> {
-        let entry = self.view.unproject(px)?;
-        let sight = self.sight(entry, [0.0; 2])?;
-        let [dx, dy] = self.sideways_mm(sight, depth_mm);
-        Some(([entry[0] + dx, entry[1] + dy - self.moved_mm], sight))
+        let (at_mm, sight, is_seen) = self.behind_each(px, depth_mm);
+        (is_seen > 0.0).then_some((at_mm, sight))
     }
 
-    /// A point of the face towards the camera, in camera coordinates, mm.
-    fn in_camera(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+    /// The same of one ray or several: 1 where there is such a point, else 0.
+    #[inline(always)]
+    pub(crate) fn behind_each<N: Number>(
+        &self,
+        [u, v]: [N; 2],
+        depth_mm: f64,
+    ) -> ([N; 2], [N; 3], N) {
         let p = &self.pinhole;
-        let (x, y) = (x - p.axis_at_mm[0], y - p.axis_at_mm[1]);
-        [x, y * p.cos, p.distance_mm + y * p.sin]
+        let from_center = |at: N, axis: usize| (at - at.all(p.center_px[axis])) / at.all(p.f_px);
+        let (u, v) = (from_center(u, 0), from_center(v, 1));
+        // As `View::unproject`.
+        let fall = v.times(p.sin).less_from(p.cos);
+        let z = v.all(p.distance_mm * p.cos) / fall;
+        let (x, y) = (u * z, v.times(p.distance_mm) / fall);
+        let (sight, is_seen) = self.sight_each([x, y], [0.0; 2]);
+        let [dx, dy] = self.sideways_mm(sight, depth_mm);
+        let [entry_x, entry_y] = [x + x.all(p.axis_at_mm[0]), y + y.all(p.axis_at_mm[1])];
+        let at_mm = [entry_x + dx, entry_y + dy - y.all(self.moved_mm)];
+        (at_mm, sight, is_seen)
+    }
+
+    /// A point of the face towards the camera, from the axis, in camera coordinates, mm.
+    #[inline(always)]
+    fn in_camera<N: Number>(&self, [x, y]: [N; 2]) -> [N; 3] {
+        let p = &self.pinhole;
+        [x, y.times(p.cos), y.times(p.sin) + y.all(p.distance_mm)]
+    }
+
+    /// From the axis to a point of the face, mm.
+    fn from_axis(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [axis_x, axis_y] = self.pinhole.axis_at_mm;
+        [x - axis_x, y - axis_y]
     }
 
     /// A direction of the camera's coordinates in those of the sheet.
-    pub(crate) fn sheet_from_camera(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    #[inline(always)]
+    pub(crate) fn sheet_from_camera<N: Number>(&self, [x, y, z]: [N; 3]) -> [N; 3] {
         let p = &self.pinhole;
-        [x, y * p.cos + z * p.sin, -y * p.sin + z * p.cos]
+        let (down, out) = (
+            y.times(p.cos) + z.times(p.sin),
+            z.times(p.cos) - y.times(p.sin),
+        );
+        [x, down, out]
     }
 
     /// A direction of the sheet's coordinates in those of the camera.
-    pub(crate) fn camera_from_sheet(&self, [x, y, n]: [f64; 3]) -> [f64; 3] {
+    #[inline(always)]
+    pub(crate) fn camera_from_sheet<N: Number>(&self, [x, y, n]: [N; 3]) -> [N; 3] {
         let p = &self.pinhole;
-        [x, y * p.cos - n * p.sin, y * p.sin + n * p.cos]
+        let (down, ahead) = (
+            y.times(p.cos) - n.times(p.sin),
+            y.times(p.sin) + n.times(p.cos),
+        );
+        [x, down, ahead]
     }
 
     /// Direction of sight through a point of the face towards the camera, from a point of the
     /// pupil, of length 1, in the sheet's coordinates. None where the face is not before the
     /// camera or is seen from behind.
     pub(crate) fn sight(&self, point: [f64; 2], pupil: [f64; 2]) -> Option<[f64; 3]> {
+        let (sight, is_seen) = self.sight_each(self.from_axis(point), pupil);
+        (is_seen > 0.0).then_some(sight)
+    }
+
+    /// The same of one point or several, from the axis: 1 where there is such a direction, else 0.
+    #[inline(always)]
+    fn sight_each<N: Number>(&self, point: [N; 2], pupil: [f64; 2]) -> ([N; 3], N) {
         let [x, y, z] = self.in_camera(point);
-        if z <= 1e-3 * self.pinhole.distance_mm {
-            return None;
-        }
-        let (x, y) = (x - pupil[0], y - pupil[1]);
+        let (x, y) = (x - x.all(pupil[0]), y - y.all(pupil[1]));
         let length = (x * x + y * y + z * z).sqrt();
         let sight = self.sheet_from_camera([x / length, y / length, z / length]);
-        (sight[2] > 1e-3).then_some(sight)
+        let [none, one] = [0.0, 1.0].map(|value| x.all(value));
+        let is_ahead = z.all(1e-3 * self.pinhole.distance_mm).below(z, [one, none]);
+        let is_seen = z.all(1e-3).below(sight[2], [is_ahead, none]);
+        (sight, is_seen)
     }
 
     /// Where the ray from a point of the pupil to a point at a depth in the sheet crosses the
@@ -189,8 +235,10 @@ impl SheetView {
     }
 
     /// How far a line of sight moves in the plane on its way to a depth: z tan θ′.
-    fn sideways_mm(&self, [x, y, _]: [f64; 3], depth_mm: f64) -> [f64; 2] {
-        let per_sine = depth_mm / (self.index * self.index - x * x - y * y).sqrt();
+    #[inline(always)]
+    fn sideways_mm<N: Number>(&self, [x, y, _]: [N; 3], depth_mm: f64) -> [N; 2] {
+        let square = (x * x).less_from(self.index * self.index) - y * y;
+        let per_sine = x.all(depth_mm) / square.sqrt();
         [per_sine * x, per_sine * y]
     }
 
@@ -207,7 +255,7 @@ impl SheetView {
 
     /// Where a point of the face towards the camera appears in the frame, px, through one point of the pupil, mm.
     pub(crate) fn appears(&self, entry: [f64; 2], pupil: [f64; 2]) -> Option<[f64; 2]> {
-        let at = self.in_camera(entry);
+        let at = self.in_camera(self.from_axis(entry));
         if at[2] <= 1e-3 * self.pinhole.distance_mm {
             return None;
         }
@@ -227,21 +275,28 @@ impl SheetView {
     }
 
     /// The point of the frame nearest to where a direction in camera coordinates is seen, above a dashboard in the same
-    /// column, and how far away that is, px; none of a direction that is not before the camera.
-    pub(crate) fn nearest_in_frame(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], f64)> {
-        if z <= 1e-6 {
-            return None;
-        }
-        let p = &self.pinhole;
-        let seen = [x, y].map(|part| p.f_px * part / z);
-        let seen = [0, 1].map(|k| p.center_px[k] + seen[k]);
-        let (width, height) = self.view.size();
-        let column_px = seen[0].clamp(0.0, f64::from(width));
-        let last_px = self.view.dashboard().row_px(column_px, (width, height));
-        let inside = [column_px, seen[1].clamp(0.0, last_px)];
+    /// column, and how far away that is, px; infinitely far of a direction that is not before the camera.
+    #[inline(always)]
+    pub(crate) fn nearest_in_frame<N: Number>(&self, [x, y, z]: [N; 3]) -> ([N; 2], N) {
+        let (p, nearest) = (&self.pinhole, z.all(NEAREST));
+        // Of what is not before the camera any finite number does.
+        let ahead = nearest.below(z, [z, nearest]);
+        let seen = [x, y].map(|part| part.times(p.f_px) / ahead);
+        let seen = [0, 1].map(|k| seen[k] + z.all(p.center_px[k]));
+        let (size, dashboard) = (self.view.size(), self.view.dashboard());
+        let column_px = seen[0].at_least(0.0).at_most(f64::from(size.0));
+        let row_px = seen[1].at_least(0.0);
+        let row_px = match dashboard.is_none() {
+            true => row_px.at_most(f64::from(size.1)),
+            false => row_px.with(column_px, |row_px, column_px| {
+                row_px.min(dashboard.row_px(column_px, size))
+            }),
+        };
+        let inside = [column_px, row_px];
         let [x, y] = [0, 1].map(|k| seen[k] - inside[k]);
         let away_px = (x * x + y * y).sqrt();
-        Some((inside, away_px))
+        let away_px = nearest.below(z, [away_px, z.all(f64::INFINITY)]);
+        (inside, away_px)
     }
 
     /// Signed radius, px, of the disc that a point of the sheet becomes.

@@ -4,9 +4,10 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use super::drawn_drop::{SOFT_PX, Seen, least_radius, straight};
+use super::drawn_drop::SOFT_PX;
 use super::glimpse::Glimpse;
 use super::lobe::LANES;
+use super::seen_at::{SeenAt, least_radius, straight};
 use crate::maps::{Drawn, cells_per_px};
 
 /// Radius along the longer side, in cells, below which a drop is small: of blurred ones, of sharp ones, and of sharp ones
@@ -50,7 +51,7 @@ struct Part {
 impl SmallDrop {
     /// None of a drop of which parts are seen, or of which nothing is known where it is.
     pub(super) fn of(
-        seen: &Seen,
+        seen: &SeenAt,
         glimpse: impl FnOnce([f64; 2], bool) -> Option<Glimpse>,
     ) -> Option<Self> {
         let cells_per_px = cells_per_px(seen.blur_px);

@@ -45,7 +45,7 @@ impl LightFrom<'_> {
             ..Sent::default()
         };
         let before = self.before(mirror.sight);
-        before.mirror_cabin(&mut sent, mean * before.reflects);
+        before.mirror_cabin(&mut sent.lanes, mean * before.reflects);
         let share = mean * (1.0 - before.reflects);
         self.trace(&mut sent, &before, (at, among), direction, share);
         Some(sent)

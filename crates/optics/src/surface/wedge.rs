@@ -68,7 +68,7 @@ pub(crate) fn fragment_facets(
             ];
             let mut sent = Sent::default();
             let ray = from.sheet.ray([center[0] + turn[0], center[1] + turn[1]]);
-            from.seen(&mut sent, ray, share);
+            from.seen(&mut sent.lanes, ray, share);
             facets.add(
                 [middle, a, b, middle],
                 radius_px,
