@@ -12,7 +12,7 @@ const CELLS_MM: [f64; 3] = [2.0, 4.0, 16.0];
 /// Side of the cells by which drops are put in order, mm.
 const ORDER_MM: f64 = 4.0;
 
-/// What is looked at of a drop to tell whether it is near.
+/// What is looked at of a drop to tell whether it is near. Its number is that of its place among all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known {
     pub(crate) at_mm: [f64; 2],
@@ -25,13 +25,16 @@ pub(crate) struct Known {
 pub(crate) struct Grid {
     order: Cells,
     sizes: [OfSize; 3],
+    /// By their numbers: each with the number of the next in its cell, plus one; 0 after the last one.
+    drops: Vec<(Known, u32)>,
 }
 
 /// Drops of some size.
 #[derive(Debug, Clone)]
 struct OfSize {
     cells: Cells,
-    drops: Vec<Vec<Known>>,
+    /// Number of the first drop in each cell, plus one; 0 in empty ones. Most are looked at in vain: all are close by.
+    first: Vec<u32>,
     /// No radius was larger as yet, mm.
     largest_mm: f64,
 }
@@ -78,32 +81,43 @@ impl Grid {
             sizes: CELLS_MM.map(|side_mm| {
                 let cells = Cells::over(area, side_mm);
                 OfSize {
-                    drops: vec![Vec::new(); cells.n[0] * cells.n[1]],
+                    first: vec![0; cells.n[0] * cells.n[1]],
                     cells,
                     largest_mm: 0.0,
                 }
             }),
+            drops: Vec::new(),
         }
     }
 
-    fn of_radius(&mut self, radius_mm: f64) -> &mut OfSize {
-        let size = UP_TO_MM.iter().take_while(|up_to| radius_mm > **up_to);
-        let size = size.count().min(UP_TO_MM.len() - 1);
-        &mut self.sizes[size]
-    }
-
     pub(crate) fn add(&mut self, drop: Known) {
-        let size = self.of_radius(drop.radius_mm);
-        let cell = size.cells.of(drop.at_mm);
-        size.drops[cell].push(drop);
+        let size = &mut self.sizes[size_of(drop.radius_mm)];
         size.largest_mm = size.largest_mm.max(drop.radius_mm);
+        let first = &mut size.first[size.cells.of(drop.at_mm)];
+        let place = drop.number as usize;
+        if place >= self.drops.len() {
+            self.drops.resize(place + 1, (drop, 0));
+        }
+        self.drops[place] = (drop, *first);
+        *first = drop.number + 1;
     }
 
     pub(crate) fn remove(&mut self, drop: &Known) {
-        let size = self.of_radius(drop.radius_mm);
-        let known = &mut size.drops[size.cells.of(drop.at_mm)];
-        if let Some(place) = known.iter().position(|known| known.number == drop.number) {
-            known.swap_remove(place);
+        let size = &mut self.sizes[size_of(drop.radius_mm)];
+        let first = &mut size.first[size.cells.of(drop.at_mm)];
+        let (_, after) = self.drops[drop.number as usize];
+        if *first == drop.number + 1 {
+            *first = after;
+            return;
+        }
+        let mut next = *first;
+        while let Some(place) = next.checked_sub(1) {
+            let (_, following) = &mut self.drops[place as usize];
+            if *following == drop.number + 1 {
+                *following = after;
+                return;
+            }
+            next = *following;
         }
     }
 
@@ -122,7 +136,7 @@ impl Grid {
     ) {
         for OfSize {
             cells,
-            drops,
+            first,
             largest_mm,
         } in &self.sizes
         {
@@ -134,10 +148,21 @@ impl Grid {
             let [top, bottom] = [from_mm[1] - reach, to_mm[1] + reach].map(|y| cells.along(1, y));
             for x in left..=right {
                 let column = x * cells.n[1];
-                for cell in &drops[column + top..=column + bottom] {
-                    cell.iter().for_each(&mut call);
+                for first in &first[column + top..=column + bottom] {
+                    let mut next = *first;
+                    while let Some(place) = next.checked_sub(1) {
+                        let (known, after) = &self.drops[place as usize];
+                        call(known);
+                        next = *after;
+                    }
                 }
             }
         }
     }
+}
+
+/// The place of a radius among the sizes.
+fn size_of(radius_mm: f64) -> usize {
+    let smaller = UP_TO_MM.iter().take_while(|up_to| radius_mm > **up_to);
+    smaller.count().min(UP_TO_MM.len() - 1)
 }

@@ -213,7 +213,7 @@ impl Outline {
                 square += 2.0 * power * size;
             }
             let before = std::mem::replace(&mut radius, square.min(4.0).sqrt());
-            if radius - before < 1e-4 {
+            if radius - before < 1e-6 {
                 break;
             }
         }
