@@ -10,7 +10,7 @@ use super::lobe::LANES;
 use super::rays::{MOST, Rays, Seen};
 use super::seen_at::{Extent, SeenAt, least_radius, straight};
 use super::water::Sight;
-use crate::maps::{Drawn, add_arrays, cells_per_px};
+use crate::maps::{Drawn, add_arrays};
 use crate::number::Number;
 
 /// Least radius of a drop along its shorter side, in rays: where cells are wider, several rays share one, so many along a
@@ -74,15 +74,17 @@ impl<'a> DrawnDrop<'a> {
     pub(super) fn of(drop: Drop<'a>, seen: &SeenAt, pupil_reach: f64) -> Option<Self> {
         let sheet = drop.water.from.sheet;
         let blur_px = seen.blur_px;
-        let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
+        let beyond_px = blur_px.abs() * pupil_reach + 2.0 / seen.cells_per_px;
         let uneven = drop.cap.outline.reach();
         let extent = Extent::of(&drop, seen, BEYOND * uneven);
-        let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(seen.places_per_px));
+        let radius_px = least_radius(seen.places_per_px);
         let mut of_cell = 1;
-        while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
+        while f64::from(of_cell) * seen.cells_per_px * radius_px < LEAST_RAYS
+            && of_cell < MOST_OF_CELL
+        {
             of_cell *= 2;
         }
-        let rays_per_px = f64::from(of_cell) * cells_per_px;
+        let rays_per_px = f64::from(of_cell) * seen.cells_per_px;
         // Half a ray beyond its outline is still among what a ray stands for.
         let rays = |[low, high]: [f64; 2]| {
             let [low, high] = [low * rays_per_px - 0.5, high * rays_per_px + 0.5];
@@ -143,7 +145,7 @@ impl<'a> DrawnDrop<'a> {
             for x in self.across(y) {
                 let offset = self.offset([x, y].map(f64::from));
                 let place = straight(&self.per_ray, offset);
-                parts += self.within_reach(place, 1.0) * self.part(offset, place).0;
+                parts += self.within_reach(place, self.part(offset, place).0);
             }
         }
         let [[a, b], [c, d]] = self.per_ray;

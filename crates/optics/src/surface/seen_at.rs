@@ -6,6 +6,7 @@ use starbreak_deposit::Cap;
 
 use super::SheetView;
 use super::drops::{Drop, LEAST_PX};
+use crate::maps::cells_per_px;
 use crate::number::Number;
 use crate::vector::Vector;
 
@@ -35,8 +36,9 @@ pub(super) struct SeenAt {
     /// Where the ray of sight to its middle enters the pane.
     pub(super) enters_mm: [f64; 2],
     pub(super) at_px: [f64; 2],
-    /// Signed radius of its blur.
+    /// Signed radius of its blur, and how many cells are drawn to a px.
     pub(super) blur_px: f64,
+    pub(super) cells_per_px: f64,
     /// Direction of sight before the glass.
     pub(super) sight: Vector,
     /// Change of the place on the outer face, of the drop's radius, and of the direction, per px along x and along y.
@@ -72,10 +74,12 @@ impl SeenAt {
                 turns_per_px[axis][k] = to.1[k] - from.1[k];
             }
         }
+        let blur_px = sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?;
         Some(Self {
             enters_mm,
             at_px,
-            blur_px: sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?,
+            blur_px,
+            cells_per_px: cells_per_px(blur_px),
             sight: behind(0.0, 0.0)?.1,
             places_per_px,
             turns_per_px,

@@ -8,7 +8,7 @@ use super::drawn_drop::SOFT_PX;
 use super::glimpse::Glimpse;
 use super::lobe::LANES;
 use super::seen_at::{SeenAt, least_radius, straight};
-use crate::maps::{Drawn, cells_per_px};
+use crate::maps::Drawn;
 
 /// Radius along the longer side, in cells, below which a drop is small: of blurred ones, of sharp ones, and of sharp ones
 /// that are flatter along the shorter side, in cells, so that lines across them would be seen.
@@ -54,7 +54,7 @@ impl SmallDrop {
         seen: &SeenAt,
         glimpse: impl FnOnce([f64; 2], bool) -> Option<Glimpse>,
     ) -> Option<Self> {
-        let cells_per_px = cells_per_px(seen.blur_px);
+        let cells_per_px = seen.cells_per_px;
         let per_cell = (seen.places_per_px).map(|of| of.map(|part| part / cells_per_px));
         let [[a, b], [c, d]] = per_cell;
         let (determinant, shorter) = ((a * d - b * c).abs(), least_radius(per_cell));
