@@ -393,6 +393,24 @@ impl Cells<'_> {
 /// The level up to which a ray that is so wide, of the drop's radius, lies within the drop and within its rim.
 fn whole_within(of_ray: f64) -> f64 {
     let rim = (1.0 - of_ray * of_ray / 12.0).max(0.0).sqrt();
-    let within = (rim - of_ray).clamp(0.0, RIM - 0.5 * of_ray);
+    // Below 0 of a drop that is no wider than a ray.
+    let within = (rim - of_ray).min(RIM - 0.5 * of_ray).max(0.0);
     within * within
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{RIM, whole_within};
+
+    #[test]
+    fn rays_that_are_wider_than_a_drop_are_never_within_it() {
+        for of_ray in [0.0, 0.01, 0.5, 0.99] {
+            let within = whole_within(of_ray).sqrt();
+            assert!(within + of_ray <= 1.0, "{of_ray}: {within}");
+            assert!(within + 0.5 * of_ray <= RIM, "{of_ray}: {within}");
+        }
+        for of_ray in [1.0, 1.98, 2.0, 3.5, 100.0] {
+            assert!(whole_within(of_ray) <= 0.0, "{of_ray}");
+        }
+    }
 }

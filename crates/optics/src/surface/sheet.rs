@@ -150,7 +150,7 @@ impl SheetView {
     }
 
     /// From the axis to a point of the face, mm.
-    fn from_axis(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    fn off_axis_mm(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [axis_x, axis_y] = self.pinhole.axis_at_mm;
         [x - axis_x, y - axis_y]
     }
@@ -181,7 +181,7 @@ impl SheetView {
     /// pupil, of length 1, in the sheet's coordinates. None where the face is not before the
     /// camera or is seen from behind.
     pub(crate) fn sight(&self, point: [f64; 2], pupil: [f64; 2]) -> Option<[f64; 3]> {
-        let (sight, is_seen) = self.sight_each(self.from_axis(point), pupil);
+        let (sight, is_seen) = self.sight_each(self.off_axis_mm(point), pupil);
         (is_seen > 0.0).then_some(sight)
     }
 
@@ -255,7 +255,7 @@ impl SheetView {
 
     /// Where a point of the face towards the camera appears in the frame, px, through one point of the pupil, mm.
     pub(crate) fn appears(&self, entry: [f64; 2], pupil: [f64; 2]) -> Option<[f64; 2]> {
-        let at = self.in_camera(self.from_axis(entry));
+        let at = self.in_camera(self.off_axis_mm(entry));
         if at[2] <= 1e-3 * self.pinhole.distance_mm {
             return None;
         }
