@@ -1,10 +1,8 @@
 //! Light from elsewhere in the frame: what mirrors and chips show of the scene itself.
 
-use std::ops::Range;
-
 use wide::f32x4;
 
-use super::overlay::{OverlayLayer, Run};
+use super::overlay::OverlayLayer;
 use crate::bit_rows::set_bits;
 use crate::maps::CHUNK;
 
@@ -21,15 +19,13 @@ pub(super) struct Elsewhere {
     /// Bit k is set where pixel k has some that is not averaged, and where it has some that is.
     pub(super) is_fine: u32,
     pub(super) is_wide: u32,
-    /// How many before it have some that is not averaged, and those of [`Averaged`] that are its own.
-    pub(super) n_fine: usize,
-    pub(super) averaged: Range<usize>,
 }
 
 /// Light that is the mean over much of the frame, for a pixel: that between four cells of the coarse scene.
 #[derive(Debug, Clone)]
 pub(super) struct Averaged {
-    /// The pixel in its run.
+    /// Place of its run among those that take light from elsewhere, and its place in that.
+    run: u32,
     pixel: u32,
     /// The upper left cell, and how many on those to the right and below are.
     cell: u32,
@@ -38,15 +34,6 @@ pub(super) struct Averaged {
     /// How far the place is from the former towards the latter.
     parts: [f32; 2],
     share: f32,
-}
-
-/// What of a frame's light pixels show that lie elsewhere.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Gathered<const COLORS: usize> {
-    /// The light that is not averaged, weighted by its share, of all runs that have some.
-    fine: Vec<[[f32; CHUNK]; COLORS]>,
-    /// Cells of the coarse scene.
-    cells: Vec<f32x4>,
 }
 
 /// A mirror's picture moves by at most this much, px, from one pixel to the next.
@@ -59,94 +46,75 @@ pub(crate) const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
 const CELL_PX: usize = 16;
 
 impl OverlayLayer {
-    /// Looks for light from elsewhere all over a frame, over what was gathered before; `colors` are those of the pixel in a
-    /// column and a row.
+    /// The light of all runs from elsewhere, weighted by its share, over what was gathered before; `colors` are those of
+    /// the pixel in a column and a row.
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
         colors: impl Fn(usize, usize) -> [f32; COLORS],
-        gathered: &mut Gathered<COLORS>,
+        gathered: &mut Vec<[[f32; CHUNK]; COLORS]>,
     ) {
         let light = |x: usize, y: usize| side_by_side(&colors(x, y));
-        gathered.fine.clear();
-        for other in self.elsewhere.iter().filter(|other| other.is_fine > 0) {
-            let pixels = gathered.fine.push_mut([[0.0; CHUNK]; COLORS]);
+        gathered.clear();
+        gathered.resize(self.elsewhere.len(), [[0.0; CHUNK]; COLORS]);
+        let mut add = |run: usize, k: usize, light: f32x4| {
+            for (pixels, color) in gathered[run].iter_mut().zip(light.to_array()) {
+                pixels[k] += color;
+            }
+        };
+        for (run, other) in self.elsewhere.iter().enumerate() {
             for k in set_bits(other.is_fine.into()) {
                 let share = other.share[k] * (1.0 - part_averaged(other.width[k]));
-                let light = between(size, [other.u[k], other.v[k]], light) * share;
-                for (pixels, color) in pixels.iter_mut().zip(light.to_array()) {
-                    pixels[k] += color;
-                }
+                let light = between(size, [other.u[k], other.v[k]], light);
+                add(run, k, light * share);
             }
         }
-        gathered.cells.clear();
-        if !self.averaged.is_empty() {
-            coarse(size, &colors, self.has_drops, &mut gathered.cells);
+        if self.averaged.is_empty() {
+            return;
         }
-    }
-
-    /// The light from elsewhere of a run, weighted by its share; none of one that takes none.
-    #[inline(always)]
-    pub(super) fn gathered<const COLORS: usize>(
-        &self,
-        run: &Run,
-        gathered: &Gathered<COLORS>,
-    ) -> Option<[[f32; CHUNK]; COLORS]> {
-        let other = &self.elsewhere[run.elsewhere?];
-        let mut pixels = match other.is_fine > 0 {
-            true => gathered.fine[other.n_fine],
-            false => [[0.0; CHUNK]; COLORS],
-        };
-        let cells = &gathered.cells;
-        for it in &self.averaged[other.averaged.clone()] {
+        let cells = coarse(size, &colors, self.has_drops);
+        for it in &self.averaged {
             let [first, right, below] = [it.cell, it.right, it.below].map(|at| at as usize);
             let [s, t] = it.parts;
             let row = |at: usize| cells[at] + (cells[at + right] - cells[at]) * s;
             let (top, bottom) = (row(first), row(first + below));
-            let light = (top + (bottom - top) * t) * it.share;
-            for (pixels, color) in pixels.iter_mut().zip(light.to_array()) {
-                pixels[it.pixel as usize % CHUNK] += color;
-            }
+            let light = top + (bottom - top) * t;
+            add(it.run as usize, it.pixel as usize, light * it.share);
         }
-        Some(pixels)
     }
 
-    /// Finds where all runs have their light in [`Gathered`], and what is averaged in a frame of a size, px, which does not
-    /// depend on what it shows.
+    /// Finds what is averaged in a frame of a size, px, which does not depend on what it shows.
     pub(super) fn find_averaged(&mut self, size: (usize, usize)) {
         let n_wide = self.elsewhere.iter().map(|it| it.is_wide.count_ones());
         self.averaged.clear();
         self.averaged.reserve(n_wide.sum::<u32>() as usize);
-        let (levels, mut n_fine) = (levels(size), 0);
-        for other in &mut self.elsewhere {
-            other.n_fine = n_fine;
-            n_fine += usize::from(other.is_fine > 0);
-            let first = self.averaged.len();
+        let levels = levels(size);
+        for (run, other) in (0..).zip(&self.elsewhere) {
             for k in set_bits(other.is_wide.into()) {
                 let (place, width) = ([other.u[k], other.v[k]], other.width[k]);
                 let share = other.share[k] * part_averaged(width);
                 for (doublings, part) in levels_of(width) {
                     if part > 0.0 {
                         let level = &levels[doublings.min(levels.len() - 1)];
-                        let it = Averaged::of(k, (level, place), share * part);
+                        let it = Averaged::of((run, k), (level, place), share * part);
                         self.averaged.push(it);
                     }
                 }
             }
-            other.averaged = first..self.averaged.len();
         }
     }
 }
 
 impl Averaged {
-    /// Of a pixel, about a place, px, between cells of a level.
+    /// Of a pixel of a run, about a place, px, between cells of a level.
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-    fn of(pixel: usize, (level, place): (&Level, [f32; 2]), share: f32) -> Self {
+    fn of((run, pixel): (u32, usize), (level, place): (&Level, [f32; 2]), share: f32) -> Self {
         let four = Four::around(level.size, place.map(|place| place * level.per_px));
         let ([x, y], [right, below]) = (four.first, four.steps);
         let columns = level.size.0;
         Self {
+            run,
             pixel: pixel as u32,
             cell: (level.first + y * columns + x) as u32,
             right: right as u32,
@@ -288,16 +256,15 @@ fn levels_of(width: f32) -> [(usize, f32); 2] {
     [(doublings.saturating_sub(1), 1.0 - wide), (doublings, wide)]
 }
 
-/// Adds to no cells those of all levels, of which the finest are means of all their pixels or of some.
+/// The cells of all levels, of which the finest are means of all their pixels or of some.
 fn coarse<const COLORS: usize>(
     (width, height): (usize, usize),
     colors: impl Fn(usize, usize) -> [f32; COLORS],
     has_all: bool,
-    cells: &mut Vec<f32x4>,
-) {
+) -> Vec<f32x4> {
     let levels = levels((width, height));
     let n_cells = levels.last().map_or(0, |last| last.first + 1);
-    cells.resize(n_cells, f32x4::ZERO);
+    let mut cells = vec![f32x4::ZERO; n_cells];
     let (columns, rows) = levels[0].size;
     let finest = cells.chunks_exact_mut(columns).take(rows);
     for (row, y) in finest.zip((0..).step_by(CELL_PX)) {
@@ -314,6 +281,7 @@ fn coarse<const COLORS: usize>(
             finer.halve(&known[finer.first..], cells);
         }
     }
+    cells
 }
 
 /// Mean light of four pixels of a cell, in two rows: a row is as much to fetch as many pixels of it.

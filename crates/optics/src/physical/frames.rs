@@ -3,7 +3,6 @@
 use image::DynamicImage;
 use starbreak_seed::Seed;
 
-use super::elsewhere;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer};
 use super::samples::Sample as _;
@@ -14,8 +13,8 @@ use crate::{Channels, FrameMut, OpticsError};
 #[derive(Debug, Clone, Default)]
 pub struct Gathered {
     /// Light of affected pixels from elsewhere in the frame.
-    rgb: elsewhere::Gathered<3>,
-    gray: elsewhere::Gathered<1>,
+    rgb: Vec<[[f32; CHUNK]; 3]>,
+    gray: Vec<[[f32; CHUNK]; 1]>,
 }
 
 impl Overlay {
@@ -62,7 +61,7 @@ impl OverlayLayer {
         &self,
         frame: &mut FrameMut<'_>,
         noise: Option<&Noise>,
-        elsewhere: &mut elsewhere::Gathered<COLORS>,
+        elsewhere: &mut Vec<[[f32; CHUNK]; COLORS]>,
     ) {
         let (width, height) = frame.size();
         let size = (width as usize, height as usize);
@@ -86,7 +85,7 @@ impl OverlayLayer {
 struct OverFrame<'a, 'f, const COLORS: usize> {
     layer: &'a OverlayLayer,
     frame: &'a mut FrameMut<'f>,
-    elsewhere: &'a elsewhere::Gathered<COLORS>,
+    elsewhere: &'a [[[f32; CHUNK]; COLORS]],
     noise: Option<&'a Noise>,
 }
 
@@ -101,8 +100,7 @@ impl<const COLORS: usize> pulp::WithSimd for OverFrame<'_, '_, COLORS> {
             let codes = &mut codes[..CHUNK.min(width - run.x)];
             self.frame.read((run.x, run.y), codes);
             let keep = self.layer.keep(run);
-            let other = self.layer.gathered(run, self.elsewhere);
-            let other = other.as_ref();
+            let other = run.elsewhere.map(|place| &self.elsewhere[place]);
             let pixels = codes.as_flattened_mut();
             match self.noise {
                 None => run.over::<u8, COLORS, 0>(pixels, keep, other),

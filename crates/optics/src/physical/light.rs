@@ -300,8 +300,6 @@ impl Elsewhere {
             width: lanes[WIDTH],
             is_fine,
             is_wide,
-            n_fine: 0,
-            averaged: 0..0,
         })
     }
 }

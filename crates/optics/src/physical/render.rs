@@ -6,7 +6,6 @@ use starbreak_glass::CrackNetwork;
 use starbreak_seed::Seed;
 
 use super::defocus::defocus;
-use super::elsewhere::Gathered;
 use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer, Run};
 use super::samples::{Layout, Sample, per_color};
@@ -257,7 +256,7 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let mut elsewhere = Gathered::default();
+        let mut elsewhere = Vec::new();
         let light = |x: usize, y: usize| {
             let pixel = &samples[(y * width + x) * stride..][..COLORS];
             std::array::from_fn(|c| pixel[c].light())
@@ -303,7 +302,7 @@ struct OverRuns<'a, S, const COLORS: usize, const EXTRA: usize> {
     layer: &'a OverlayLayer,
     samples: &'a mut [S],
     width: usize,
-    elsewhere: &'a Gathered<COLORS>,
+    elsewhere: &'a [[[f32; CHUNK]; COLORS]],
     noise: Option<&'a Noise>,
 }
 
@@ -320,8 +319,7 @@ impl<S: Sample, const COLORS: usize, const EXTRA: usize> pulp::WithSimd
             let first = (run.y * self.width + run.x) * stride;
             let pixels = &mut self.samples[first..first + n * stride];
             let keep = self.layer.keep(run);
-            let other = self.layer.gathered(run, self.elsewhere);
-            let other = other.as_ref();
+            let other = run.elsewhere.map(|place| &self.elsewhere[place]);
             match self.noise {
                 None => run.over::<S, COLORS, EXTRA>(pixels, keep, other),
                 Some(noise) => run.over_with_noise::<S, COLORS, EXTRA>(
