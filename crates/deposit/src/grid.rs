@@ -216,6 +216,7 @@ fn size_of(radius_mm: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::Rng as _;
     use starbreak_seed::{Seed, Stream, uniform};
 
     use super::*;
@@ -252,7 +253,7 @@ mod tests {
         for step in 0..3000_u32 {
             let goes = uniform(&mut rng) < if step < 1500 { 0.3 } else { 0.7 };
             if goes && !all.is_empty() {
-                let place = (uniform(&mut rng) * all.len() as f64) as usize;
+                let place = rng.next_u32() as usize % all.len();
                 grid.remove(&all.swap_remove(place));
             } else {
                 let drop = drawn(&mut rng, step);
