@@ -442,3 +442,51 @@ fn no_streak_makes_light_at_the_border() {
         assert!((0.1..1.001).contains(&all), "{all} of a lamp at {at:?}");
     }
 }
+
+/// A disc through which nothing goes.
+struct Disc;
+
+impl Coating for Disc {
+    fn passage(&self, [x, y]: [f64; 2]) -> Passage {
+        match libm::hypot(x, y) < 20.0 {
+            true => Passage {
+                direct: [0.0; 3],
+                ..Passage::CLEAN
+            },
+            false => Passage::CLEAN,
+        }
+    }
+
+    fn turns_by_rad(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+#[test]
+fn what_a_coat_reaches_is_what_it_changes_pixel_by_pixel() {
+    let screen = Screen::of(&Disc, &view(0.0), &OPTIC);
+    let mut light = vec![1.0_f32; 600 * 400 * 3];
+    over(&screen, &mut light, 3, &even(0.0));
+    let (reached, mut n_reached) = (screen.reaches(0.01), 0);
+    for (k, (pixel, is_reached)) in light.chunks_exact(3).zip(&reached).enumerate() {
+        let lost = 1.0 - pixel[0];
+        if (lost - 0.01).abs() > 1e-4 {
+            assert_eq!(
+                *is_reached,
+                lost > 0.01,
+                "column {}, row {}: {lost} is lost",
+                k % 600,
+                k / 600
+            );
+        }
+        n_reached += u32::from(*is_reached);
+    }
+    assert!((10_000..100_000).contains(&n_reached), "{n_reached} pixels");
+    for (pixel, passes) in light.chunks_exact(3).zip(screen.passing()) {
+        assert!(
+            (pixel[0] - passes).abs() < 1e-5,
+            "{} passes, {passes}",
+            pixel[0]
+        );
+    }
+}

@@ -171,34 +171,41 @@ impl Screen {
     pub fn reaches(&self, least: f64) -> Vec<bool> {
         #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
         let most = 1.0 - (least as f32).max(1e-6);
-        let changed = self.direct.values().enumerate().map(|(cell, direct)| {
-            let is_moved = (self.moved.as_ref()).is_some_and(|it| it.moves_by(cell) >= MOVED_PX);
-            is_moved || direct.iter().any(|share| *share <= most)
-        });
-        let changed: Vec<bool> = changed.collect();
-        self.of_cells(|cell| changed[cell])
+        let mut reached = Vec::with_capacity(self.size.0 * self.size.1);
+        let mut direct = self.direct.rows(self.size.0);
+        for y in 0..self.size.1 {
+            let shares = direct.at(y).as_chunks::<3>().0;
+            reached.extend(
+                shares
+                    .iter()
+                    .map(|it| it.iter().any(|share| *share <= most)),
+            );
+        }
+        if let Some(moved) = &self.moved {
+            let (per_cell, columns) = (self.direct.per_cell as usize, self.direct.size.0);
+            for (row, y) in reached.chunks_exact_mut(self.size.0.max(1)).zip(0..) {
+                for (is_reached, x) in row.iter_mut().zip(0..) {
+                    let cell = y / per_cell * columns + x / per_cell;
+                    *is_reached |= moved.moves_by(cell) >= MOVED_PX;
+                }
+            }
+        }
+        reached
     }
 
     /// Share of the light of an image that passes at all, in rows of pixels.
     #[must_use]
     pub fn passing(&self) -> Vec<f32> {
-        let passing: Vec<f32> = self
-            .direct
-            .values()
-            .zip(self.turned.values())
-            .map(|(direct, turned)| luminance(*direct) + turned.iter().sum::<f32>())
-            .collect();
-        self.of_cells(|cell| passing[cell])
-    }
-
-    /// What each pixel has of its cell.
-    fn of_cells<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
-        let per_cell = self.direct.per_cell as usize;
-        let columns = self.direct.size.0;
-        (0..self.size.1)
-            .flat_map(|y| (0..self.size.0).map(move |x| (x, y)))
-            .map(|(x, y)| of(y / per_cell * columns + x / per_cell))
-            .collect()
+        let mut passing = Vec::with_capacity(self.size.0 * self.size.1);
+        let [mut direct, mut turned] = [&self.direct, &self.turned].map(|it| it.rows(self.size.0));
+        for y in 0..self.size.1 {
+            let both = direct.at(y).as_chunks::<3>().0.iter();
+            let both = both.zip(turned.at(y).as_chunks::<3>().0);
+            passing.extend(
+                both.map(|(direct, turned)| luminance(*direct) + turned.iter().sum::<f32>()),
+            );
+        }
+        passing
     }
 
     /// The light that the coat itself sends to the camera, under the light around it.
