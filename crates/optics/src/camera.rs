@@ -4,6 +4,7 @@ use starbreak_glass::Pane;
 
 use crate::OpticsError;
 use crate::environment::Dashboard;
+use crate::number::Number;
 
 /// A pinhole camera behind a plane pane.
 ///
@@ -79,6 +80,20 @@ pub(crate) struct Pinhole {
     pub(crate) axis_at_mm: [f64; 2],
 }
 
+impl Pinhole {
+    /// Where the pane is seen at one point of the frame or several, px: from the axis, mm, and a number that is above 0 where
+    /// the pane is before the camera.
+    ///
+    /// Y = v′d/(cos ρ − v′ sin ρ) with v′ = (v − cy)/f, and X = u′z.
+    #[inline(always)]
+    pub(crate) fn on_pane<N: Number>(&self, px: [N; 2]) -> ([N; 2], N) {
+        let [u, v] = [0, 1].map(|k| (px[k] - px[k].all(self.center_px[k])) / px[k].all(self.f_px));
+        let fall = v.times(self.sin).less_from(self.cos);
+        let z = v.all(self.distance_mm * self.cos) / fall;
+        ([u * z, v.times(self.distance_mm) / fall], fall)
+    }
+}
+
 impl View {
     /// The pane stretched to a frame of `width × height` pixels.
     #[must_use]
@@ -149,23 +164,9 @@ impl View {
     pub fn unproject(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         match self.mapping {
             Mapping::Stretch { scale } => Some([u / scale[0], v / scale[1]]),
-            Mapping::Pinhole {
-                f_px,
-                distance_mm,
-                sin,
-                cos,
-                axis_at_mm,
-            } => {
-                let [cx, cy] = self.center();
-                let (u, v) = ((u - cx) / f_px, (v - cy) / f_px);
-                let fall = cos - v * sin;
-                (fall > 0.0).then(|| {
-                    let z = distance_mm * cos / fall;
-                    [
-                        axis_at_mm[0] + u * z,
-                        axis_at_mm[1] + v * distance_mm / fall,
-                    ]
-                })
+            Mapping::Pinhole { axis_at_mm, .. } => {
+                let ([x, y], fall) = self.pinhole()?.on_pane([u, v]);
+                (fall > 0.0).then_some([axis_at_mm[0] + x, axis_at_mm[1] + y])
             }
         }
     }

@@ -1,9 +1,12 @@
 //! Directions in space.
 
+use crate::number::Number;
+
 /// A direction or a normal.
 pub(crate) type Vector = [f64; 3];
 
-pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+#[inline(always)]
+pub(crate) fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -22,19 +22,17 @@ use crate::number::Number;
 /// ```
 #[must_use]
 pub fn reflectance(cos_i: f64, eta: f64) -> f64 {
-    let cos_i = cos_i.abs().min(1.0);
-    let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta);
-    if cos2_t <= 0.0 {
-        return 1.0;
-    }
-    reflectance_at([cos_i, cos2_t.sqrt()], eta)
+    reflectance_of(cos_i.abs().min(1.0), eta)
 }
 
-/// The same into what is denser, where nothing is reflected totally, for a cosine from 0 to 1.
+/// The same of one cosine from 0 to 1 or several.
 #[inline(always)]
-pub(crate) fn reflectance_into<N: Number>(cos_i: N, eta: f64) -> N {
-    let sine2 = (cos_i * cos_i).less_from(1.0) / cos_i.all(eta * eta);
-    reflectance_at([cos_i, sine2.less_from(1.0).sqrt()], eta)
+pub(crate) fn reflectance_of<N: Number>(cos_i: N, eta: f64) -> N {
+    let [none, all] = [0.0, 1.0].map(|value| cos_i.all(value));
+    let sine2_t = (cos_i * cos_i).less_from(1.0) / cos_i.all(eta * eta);
+    let cos2_t = sine2_t.less_from(1.0);
+    let mirrored = reflectance_at([cos_i, cos2_t.at_least(0.0).sqrt()], eta);
+    none.below(cos2_t, [mirrored, all])
 }
 
 /// The same of the cosines on both sides of the face, where it does not reflect totally.

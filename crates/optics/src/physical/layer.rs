@@ -3,6 +3,7 @@
 use super::elsewhere::{FINE_WIDTHS, ONE_MIRROR, exponent_up, power_of};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
+use crate::pyramid::vectorized;
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SQUARE, SUN, WIDTH};
 
 /// By how much more than the mean red, green and blue are reflected, over that mean: −1 where none
@@ -32,15 +33,14 @@ impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
     /// light that is tinted.
     pub(super) fn of_sums(light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
-        pulp::Arch::new().dispatch(OfSums {
-            light,
-            tint,
-            spread,
-        })
+        vectorized(
+            #[inline(always)]
+            || Self::of_all_sums(light, tint, spread),
+        )
     }
 
     #[inline(always)]
-    fn of_sums_here(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
+    fn of_all_sums(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
         let (width, height) = light.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
         for k in 0..light.n_runs() {
@@ -63,23 +63,6 @@ impl PatternLayer {
             tint: tints,
             has_drops: matches!(spread, Spread::Squares),
         }
-    }
-}
-
-/// All runs of some sums, compiled once more for processors with AVX2, as far as it is inlined. No result depends on it:
-/// nothing is fused.
-struct OfSums<'a> {
-    light: LaneRuns<LANES>,
-    tint: &'a LaneRuns<4>,
-    spread: Spread,
-}
-
-impl pulp::WithSimd for OfSums<'_> {
-    type Output = PatternLayer;
-
-    #[inline(always)]
-    fn with_simd<V: pulp::Simd>(self, _: V) -> PatternLayer {
-        PatternLayer::of_sums_here(self.light, self.tint, self.spread)
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use super::SheetView;
 use super::roughness::{MIRROR_ALPHA, NARROW_ALPHA, Sampled, Way};
 use crate::environment::{HemisphereWeights, Horizon, smooth_step};
-use crate::interface::fresnel::{reflectance, reflectance_into};
+use crate::interface::fresnel::{reflectance, reflectance_of};
 use crate::interface::gap::GapTable;
 use crate::interface::ggx::Glint;
 use crate::number::Number;
@@ -209,7 +209,7 @@ impl LightFrom<'_> {
     #[inline(always)]
     pub(super) fn before<N: Number>(&self, [x, y, z]: [N; 3]) -> Before<N> {
         Before {
-            reflects: reflectance_into(z, self.sheet.index),
+            reflects: reflectance_of(z, self.sheet.index),
             cabin_high: self.cabin_high([x, y, z.less_from(0.0)]),
         }
     }

@@ -123,18 +123,10 @@ impl SheetView {
 
     /// The same of one ray or several: 1 where there is such a point, else 0.
     #[inline(always)]
-    pub(crate) fn behind_each<N: Number>(
-        &self,
-        [u, v]: [N; 2],
-        depth_mm: f64,
-    ) -> ([N; 2], [N; 3], N) {
+    pub(crate) fn behind_each<N: Number>(&self, px: [N; 2], depth_mm: f64) -> ([N; 2], [N; 3], N) {
         let p = &self.pinhole;
-        let from_center = |at: N, axis: usize| (at - at.all(p.center_px[axis])) / at.all(p.f_px);
-        let (u, v) = (from_center(u, 0), from_center(v, 1));
-        // As `View::unproject`.
-        let fall = v.times(p.sin).less_from(p.cos);
-        let z = v.all(p.distance_mm * p.cos) / fall;
-        let (x, y) = (u * z, v.times(p.distance_mm) / fall);
+        // Where the pane is not before the camera, there is no sight of it either.
+        let ([x, y], _) = p.on_pane(px);
         let (sight, is_seen) = self.sight_each([x, y], [0.0; 2]);
         let [dx, dy] = self.sideways_mm(sight, depth_mm);
         let [entry_x, entry_y] = [x + x.all(p.axis_at_mm[0]), y + y.all(p.axis_at_mm[1])];

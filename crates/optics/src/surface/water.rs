@@ -1,8 +1,9 @@
 //! What becomes of light in a drop of water.
 
 use super::lobe::{Before, HELD, LANES, LightFrom, add};
-use crate::interface::fresnel::{reflectance_at, reflectance_into};
+use crate::interface::fresnel::{reflectance_at, reflectance_of};
 use crate::number::Number;
+use crate::vector::dot;
 
 /// Refractive index of water in visible light.
 const WATER: f64 = 1.333;
@@ -67,12 +68,10 @@ impl<'a> Water<'a> {
         }
     }
 
-    /// What passes from glass, where its index is not that of water, to water.
+    /// What passes from glass to water.
     #[inline(always)]
     fn passes<N: Number>(&self, in_glass: N) -> N {
-        let eta = WATER / self.from.sheet.index;
-        // Light comes in from the air, so that it is never beyond the critical angle.
-        reflectance_into(in_glass, eta).less_from(1.0)
+        reflectance_of(in_glass, WATER / self.from.sheet.index).less_from(1.0)
     }
 
     /// A place of the outer face in a round drop, of its radius from its middle, from the middle of its sphere, of the
@@ -186,15 +185,10 @@ impl<'a> Water<'a> {
         // The inner face holds the rest.
         add(lanes, HELD, share - passes);
         let z = square.less_from(1.0).at_least(0.0).sqrt();
-        let face = reflectance_into(z, self.from.sheet.index);
+        let face = reflectance_of(z, self.from.sheet.index);
         let again = passes * face * face.less_from(1.0);
         let outward = z.less_from(0.0);
         self.from.cabin(lanes, [x, y, outward], passes - again);
         self.leaves(lanes, sight, [x, y, z], again);
     }
-}
-
-#[inline(always)]
-fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
