@@ -33,6 +33,21 @@ impl<const COLORS: usize> Cells<COLORS> {
         }
     }
 
+    /// No light, in cells of a width, px, of a frame of a width and height, px.
+    pub(crate) fn none((width, height): (usize, usize), per_cell: u32) -> Self {
+        let size = [width, height].map(|n| n.div_ceil(per_cell as usize));
+        Self {
+            size: size.into(),
+            per_cell,
+            light: vec![[0.0; COLORS]; size[0] * size[1]],
+        }
+    }
+
+    /// Rows of cells, to be changed.
+    pub(crate) fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, [f32; COLORS]> {
+        self.light.chunks_exact_mut(self.size.0)
+    }
+
     /// The light of each cell, in rows.
     pub(crate) fn values(&self) -> std::slice::Iter<'_, [f32; COLORS]> {
         self.light.iter()
@@ -124,24 +139,24 @@ impl<const COLORS: usize> Cells<COLORS> {
 
     /// Adds the light of wider cells.
     pub(crate) fn add(&mut self, wider: &Self) {
-        let (width, step) = (self.size.0, self.per_cell);
-        add_rows(self.light.as_flattened_mut(), Rows::of(wider, width, step));
+        let rows = wider.rows(self.size.0, self.per_cell);
+        add_rows(self.light.as_flattened_mut(), rows);
     }
 
     /// Adds the light of cells to that of the pixels of a frame of a width, px.
     pub(crate) fn add_to(&self, light: &mut [f32], width: usize) {
-        add_rows(light, Rows::of(self, width, 1));
+        add_rows(light, self.rows(width, 1));
     }
 
-    /// The light at each pixel of a frame of a width, px, row by row.
-    pub(crate) fn rows(&self, width: usize) -> Rows<'_, COLORS> {
-        Rows::of(self, width, 1)
+    /// The light of rows of so many places that are so many px wide and high: with 1 the pixels of a frame.
+    pub(crate) fn rows(&self, n: usize, step_px: u32) -> Rows<'_, COLORS> {
+        Rows::of(self, n, step_px)
     }
 }
 
 /// The first of some values.
 #[inline(always)]
-fn together(values: &[f32]) -> f32x4 {
+pub(crate) fn together(values: &[f32]) -> f32x4 {
     f32x4::new(std::array::from_fn(|k| values[k]))
 }
 
@@ -266,7 +281,7 @@ pub(crate) struct Rows<'c, const COLORS: usize> {
 }
 
 /// Values that are read and written together: all of a pixel, and the first of the next.
-const TOGETHER: usize = 4;
+pub(crate) const TOGETHER: usize = 4;
 
 impl<'c, const COLORS: usize> Rows<'c, COLORS> {
     /// Of so many places a width, px, apart.
@@ -320,6 +335,10 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
         self.line.copy_within(end - COLORS..end, end);
         let wide = &mut self.wide[row % 2];
         self.wide_of[row % 2] = row;
+        if self.scale.to_bits() == 0.5_f32.to_bits() && COLORS > 1 {
+            double::<COLORS>(&self.line, wide, self.across.len());
+            return;
+        }
         for ((left, s), x) in self.across.iter().zip(0_usize..) {
             let left = left * COLORS;
             if COLORS == 1 {
@@ -334,6 +353,20 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
                 to[k] = a[k] + (b[k] - a[k]) * s;
             }
         }
+    }
+}
+
+/// As [`Rows::widen`], to so many places that are half as wide as cells.
+#[inline(always)]
+fn double<const COLORS: usize>(line: &[f32], wide: &mut [f32], n: usize) {
+    wide[..COLORS].copy_from_slice(&line[..COLORS]);
+    for cell in 0..n / 2 {
+        let first = cell * COLORS;
+        let from = &line[first..first + COLORS + TOGETHER];
+        let (a, b) = (together(from), together(&from[COLORS..]));
+        let to = &mut wide[2 * first + COLORS..2 * first + 2 * COLORS + TOGETHER];
+        to[..TOGETHER].copy_from_slice(between(a, b, 0.25).as_array());
+        to[COLORS..COLORS + TOGETHER].copy_from_slice(between(a, b, 0.75).as_array());
     }
 }
 

@@ -98,7 +98,7 @@ impl Glare {
         let scattered = self.scattered(optic) as f32;
         let (kept, each) = (1.0 - scattered, 0.25 * scattered);
         let width = optic.size.0;
-        let mut rows = sum.rows(width);
+        let mut rows = sum.rows(width, 1);
         vectorized(
             #[inline(always)]
             || {

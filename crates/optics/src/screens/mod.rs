@@ -172,7 +172,7 @@ impl Screen {
         #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
         let most = 1.0 - (least as f32).max(1e-6);
         let mut reached = Vec::with_capacity(self.size.0 * self.size.1);
-        let mut direct = self.direct.rows(self.size.0);
+        let mut direct = self.direct.rows(self.size.0, 1);
         for y in 0..self.size.1 {
             let shares = direct.at(y).as_chunks::<3>().0;
             reached.extend(
@@ -197,7 +197,8 @@ impl Screen {
     #[must_use]
     pub fn passing(&self) -> Vec<f32> {
         let mut passing = Vec::with_capacity(self.size.0 * self.size.1);
-        let [mut direct, mut turned] = [&self.direct, &self.turned].map(|it| it.rows(self.size.0));
+        let [mut direct, mut turned] =
+            [&self.direct, &self.turned].map(|it| it.rows(self.size.0, 1));
         for y in 0..self.size.1 {
             let both = direct.at(y).as_chunks::<3>().0.iter();
             let both = both.zip(turned.at(y).as_chunks::<3>().0);
@@ -321,58 +322,82 @@ impl LitScreen<'_> {
         let spread = [narrow, wide, streaks];
         vectorized(
             #[inline(always)]
-            || self.rows_over(light, spread.each_ref().map(Option::as_ref)),
+            || {
+                let beside = self.beside(&spread);
+                self.rows_over(light, beside.as_ref());
+            },
         );
     }
 
-    /// Shares of the light of each pixel, and of what is spread, and what shines.
+    /// The light that joins what goes straight on, where there is any: of halos and streaks by their shares, and the coat's
+    /// own. In cells as wide as the narrowest of these.
     #[inline(always)]
-    fn rows_over<const COLORS: usize>(
+    fn beside<const COLORS: usize>(
         &self,
-        light: &mut [f32],
-        spread: [Option<&Cells<COLORS>>; 3],
-    ) {
-        let width = self.screen.size.0;
-        let mut direct = self.screen.direct.rows(width);
-        let mut shares = self.screen.turned.rows(width);
-        let mut spread = spread.map(|cells| cells.map(|cells| cells.rows(width)));
-        let has_spread = spread.iter().any(Option::is_some);
-        let mut shine = self.shine.as_ref().map(|map| map.rows(width));
-        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
-            each_color::<COLORS>(row, direct.at(y), |value, share| *value *= share);
-            if has_spread {
-                let shares = shares.at(y).as_chunks::<3>().0;
-                for (k, rows) in spread.iter_mut().enumerate() {
-                    let Some(rows) = rows else { continue };
-                    let halo = rows.at(y).as_chunks::<COLORS>().0;
-                    let pixels = row.as_chunks_mut::<COLORS>().0;
-                    for ((pixel, share), halo) in pixels.iter_mut().zip(shares).zip(halo) {
-                        for c in 0..COLORS {
-                            pixel[c] += share[k] * halo[c];
-                        }
+        spread: &[Option<Cells<COLORS>>; 3],
+    ) -> Option<Cells<COLORS>> {
+        let Screen { size, turned, .. } = self.screen;
+        let widths = spread.iter().flatten().map(|cells| cells.per_cell);
+        let per_cell = match (widths.min(), &self.shine) {
+            (Some(narrowest), _) => narrowest.min(turned.per_cell),
+            (None, Some(_)) => turned.per_cell,
+            (None, None) => return None,
+        };
+        let mut beside = Cells::none(*size, per_cell);
+        let columns = beside.size.0;
+        let mut shares = turned.rows(columns, per_cell);
+        let mut spread = (spread.each_ref())
+            .map(|cells| cells.as_ref().map(|cells| cells.rows(columns, per_cell)));
+        let mut shine = self.shine.as_ref().map(|map| map.rows(columns, per_cell));
+        for (y, row) in beside.rows_mut().enumerate() {
+            let shares = shares.at(y).as_chunks::<3>().0;
+            for (k, rows) in spread.iter_mut().enumerate() {
+                let Some(rows) = rows else { continue };
+                let halo = rows.at(y).as_chunks::<COLORS>().0;
+                for ((cell, share), halo) in row.iter_mut().zip(shares).zip(halo) {
+                    for c in 0..COLORS {
+                        cell[c] += share[k] * halo[c];
                     }
                 }
             }
             if let Some(shine) = &mut shine {
-                each_color::<COLORS>(row, shine.at(y), |value, more| *value += more);
+                for (cell, more) in row.iter_mut().zip(shine.at(y).as_chunks::<3>().0) {
+                    let more = of_colors::<COLORS>(*more);
+                    for c in 0..COLORS {
+                        cell[c] += more[c];
+                    }
+                }
             }
         }
+        Some(beside)
     }
-}
 
-/// Changes each value of a row by that of a map of red, green and blue.
-#[inline(always)]
-fn each_color<const COLORS: usize>(row: &mut [f32], map: &[f32], change: impl Fn(&mut f32, f32)) {
-    if COLORS == 3 {
-        for (value, by) in row.iter_mut().zip(map) {
-            change(value, *by);
-        }
-        return;
-    }
-    let pixels = row.as_chunks_mut::<COLORS>().0;
-    for (pixel, by) in pixels.iter_mut().zip(map.as_chunks::<3>().0) {
-        for (value, by) in pixel.iter_mut().zip(of_colors::<COLORS>(*by)) {
-            change(value, by);
+    /// Shares of the light of each pixel, and what joins it.
+    #[inline(always)]
+    fn rows_over<const COLORS: usize>(&self, light: &mut [f32], beside: Option<&Cells<COLORS>>) {
+        let width = self.screen.size.0;
+        let mut direct = self.screen.direct.rows(width, 1);
+        let mut beside = beside.map(|cells| cells.rows(width, 1));
+        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+            let direct = direct.at(y);
+            if COLORS == 3 {
+                for (value, share) in row.iter_mut().zip(direct) {
+                    *value *= share;
+                }
+            } else {
+                let pixels = row.as_chunks_mut::<COLORS>().0.iter_mut();
+                for (pixel, shares) in pixels.zip(direct.as_chunks::<3>().0) {
+                    let shares = of_colors::<COLORS>(*shares);
+                    for c in 0..COLORS {
+                        pixel[c] *= shares[c];
+                    }
+                }
+            }
+            if let Some(beside) = &mut beside {
+                for (value, more) in row.iter_mut().zip(beside.at(y)) {
+                    *value += more;
+                }
+            }
         }
     }
 }
