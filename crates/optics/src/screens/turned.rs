@@ -52,16 +52,16 @@ impl Turned {
         if right.max(down) <= NEAR_PX && sigma <= NEARLY_SHARP_PX {
             vectorized(
                 #[inline(always)]
-                || self.from_pixels::<COLORS>(light, size),
+                || self.by_pixels::<COLORS>(light, size),
             );
         } else {
-            self.from_copies::<COLORS>(light, size);
+            self.by_copies::<COLORS>(light, size);
         }
     }
 
     /// Each pixel from four by four, by shares with the mean and the variance of what is seen there.
     #[inline(always)]
-    fn from_pixels<const COLORS: usize>(&self, light: &mut [f32], (width, height): (usize, usize)) {
+    fn by_pixels<const COLORS: usize>(&self, light: &mut [f32], (width, height): (usize, usize)) {
         let n = width * COLORS;
         let [beside, away] = [0, 1].map(|k| whole(self.most_px[k]).0.unsigned_abs() + 2);
         let mut before = Before::<COLORS>::of(light, (width, height), [beside, away]);
@@ -93,7 +93,7 @@ impl Turned {
     }
 
     /// Each pixel from between pixels and between copies of the frame that are blurred ever more.
-    fn from_copies<const COLORS: usize>(&self, light: &mut [f32], size: (usize, usize)) {
+    fn by_copies<const COLORS: usize>(&self, light: &mut [f32], size: (usize, usize)) {
         // Ever more blurred copies: of standard deviations 0, 1, 2, 4, … px.
         let most = self.most_px[2];
         let mut blurred = vec![Cells::<COLORS>::of(light, size)];
@@ -375,7 +375,7 @@ mod tests {
             let turned = even(moves, size);
             let near = over(&turned, &light, size);
             let mut copies = light.clone();
-            turned.from_copies::<1>(&mut copies, size);
+            turned.by_copies::<1>(&mut copies, size);
             let most =
                 (near.iter().zip(&copies)).fold(0.0_f32, |most, (a, b)| most.max((a - b).abs()));
             assert!(most < 0.01, "{moves:?}: {most}");
