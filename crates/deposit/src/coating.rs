@@ -85,6 +85,11 @@ pub trait Coating {
         to.extend(at_mm.iter().map(|at| self.passage(*at)));
     }
 
+    /// A way over the pane on which it hardly changes, mm.
+    fn even_over_mm(&self) -> f64 {
+        0.7
+    }
+
     /// Standard deviations per axis of its smaller and its larger angle, rad.
     fn turns_by_rad(&self) -> [f64; 2];
 

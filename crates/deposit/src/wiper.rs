@@ -26,6 +26,9 @@ const FILM_FADES_S: f64 = 0.25;
 const FILM_LASTS_S: f64 = 1.0;
 const FILM_TURNS_RAD: f64 = 0.04;
 
+/// exp(−`FILM_LASTS_S`/`FILM_FADES_S`).
+const FILM_LEFT: f64 = 0.018_315_638_888_734_18;
+
 /// How long a frame is exposed, s: so far it is blurred. GUESS.
 const EXPOSED_S: f64 = 0.005;
 
@@ -118,7 +121,8 @@ impl Wiper {
     /// How far a place is from the pivot, mm, and its angle from lying to the right upwards.
     fn polar(&self, at_mm: [f64; 2]) -> (f64, f64) {
         let [right, down] = [0, 1].map(|k| at_mm[k] - self.pivot_mm[k]);
-        (libm::hypot(right, down), libm::atan2(-down, right))
+        let far_mm = (right * right + down * down).sqrt();
+        (far_mm, libm::atan2(-down, right))
     }
 
     /// Whether it has not come to the end of its way.
@@ -201,8 +205,9 @@ impl Coating for Wiper {
         };
         let film = self.passed_s(rad).map_or(0.0, |ago_s| {
             // None is left when it is no longer looked at.
-            let left = libm::exp(-ago_s / FILM_FADES_S) - libm::exp(-FILM_LASTS_S / FILM_FADES_S);
-            (1.0 - covered) * FILM * left.max(0.0)
+            let is_left = ago_s < FILM_LASTS_S && covered < 1.0;
+            let left = is_left.then(|| libm::exp(-ago_s / FILM_FADES_S) - FILM_LEFT);
+            (1.0 - covered) * FILM * left.unwrap_or(0.0)
         });
         let sends = 0.5 * SENDS * covered;
         Passage {
@@ -213,6 +218,11 @@ impl Coating for Wiper {
             back: [sends; 3],
             ..Passage::CLEAN
         }
+    }
+
+    /// It moves farther than that while a frame is exposed.
+    fn even_over_mm(&self) -> f64 {
+        2.0
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {
@@ -300,6 +310,8 @@ mod tests {
 
     #[test]
     fn the_film_behind_a_wiper_fades() {
+        let left = libm::exp(-FILM_LASTS_S / FILM_FADES_S);
+        assert!((FILM_LEFT / left - 1.0).abs() < 1e-12, "{FILM_LEFT}");
         let place = [40.0, -20.0];
         let mut last: Option<f64> = None;
         let mut n_films = 0;

@@ -8,8 +8,7 @@ use crate::maps::Pupil;
 use crate::physical::{Beyond, defocus_rows};
 use crate::pyramid::Cells;
 
-/// A way over the pane on which a coat does not change, mm, and most places of a cell.
-const LONGEST_MM: f64 = 0.7;
+/// Most places of a cell of which the mean is taken.
 const MOST_PLACES: u32 = 32;
 
 /// How a coat changes where light goes, cell by cell.
@@ -79,7 +78,8 @@ impl Samples {
             rows[2] = row(f64::from(y) + 1.0).collect();
             places_mm.clear();
             let seen = &rows[1];
-            let n_places = add_footprints(seen, [&rows[0], &rows[2]], &mut places_mm);
+            let beside = [rows[0].as_slice(), &rows[2]];
+            let n_places = add_footprints(seen, beside, coating.even_over_mm(), &mut places_mm);
             there.clear();
             coating.passages(&places_mm, &mut there);
             let mut there = there.chunks_exact(n_places);
@@ -201,15 +201,16 @@ fn cell_of(places: &[Passage], at_mm: [f64; 2], view: &View) -> Passage {
 }
 
 /// Adds the places on the pane, mm, of which each cell of a row shows the mean, the same number for each that shows the
-/// pane, which is returned: more than one along the way to the cell above or below, whichever is nearer, where that is long,
-/// as of glass seen at a grazing angle. All rows are of places in the middles of cells.
+/// pane, which is returned: more than one along the way to the cell above or below, whichever is nearer, where that is
+/// longer than a way, mm, as of glass seen at a grazing angle. All rows are of places in the middles of cells.
 fn add_footprints(
     row: &[Option<[f64; 2]>],
     [above, below]: [&[Option<[f64; 2]>]; 2],
+    longest_mm: f64,
     places_mm: &mut Vec<[f64; 2]>,
 ) -> usize {
     let square = |[x, y]: [f64; 2]| x * x + y * y;
-    let (mut ways_mm, mut longest_mm2) = (Vec::with_capacity(row.len()), 0.0_f64);
+    let (mut ways_mm, mut most_mm2) = (Vec::with_capacity(row.len()), 0.0_f64);
     for ((at_mm, above_mm), below_mm) in row.iter().zip(above).zip(below) {
         let Some(at_mm) = at_mm else {
             continue;
@@ -220,7 +221,7 @@ fn add_footprints(
             (Some(one), _) | (None, Some(one)) => one,
             (None, None) => [0.0; 2],
         };
-        longest_mm2 = longest_mm2.max(square(way_mm));
+        most_mm2 = most_mm2.max(square(way_mm));
         ways_mm.push([*at_mm, way_mm]);
     }
     #[expect(
@@ -228,7 +229,7 @@ fn add_footprints(
         clippy::cast_sign_loss,
         reason = "some places"
     )]
-    let n = ((longest_mm2.sqrt() / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
+    let n = ((most_mm2.sqrt() / longest_mm).ceil() as u32).clamp(1, MOST_PLACES);
     for [at_mm, way_mm] in ways_mm {
         places_mm.extend((0..n).map(|k| {
             let part = (f64::from(k) + 0.5) / f64::from(n) - 0.5;
