@@ -1,15 +1,16 @@
 //! Mud: splats of wet earth that have dried.
 
 mod run;
+mod splat;
 
 use std::f64::consts::TAU;
 
-use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use self::run::Run;
+use self::splat::{Finger, SPRAY_LOBES, Splat, wave_sizes};
 use crate::raster::Raster;
-use crate::{Area, Coating, Field, Passage, vectorized};
+use crate::{Area, Coating, Field, Passage};
 
 /// Mud on a pane.
 ///
@@ -26,7 +27,7 @@ pub struct Mud {
     pub coverage: f64,
     /// Median diameter of a splat, mm.
     pub splat_mm: f64,
-    /// Median thickness of a splat where it is thickest, as it hits the glass, mm. What is thicker than 0.25 mm runs down.
+    /// Thickness of a splat of that diameter where it is thickest, as it hits the glass, in the median, mm. What is thicker than 0.25 mm runs down.
     pub thickness_mm: f64,
     /// What it absorbs of red, green and blue, K, mm⁻¹.
     pub absorbs_per_mm: [f64; 3],
@@ -37,28 +38,24 @@ pub struct Mud {
 /// Standard deviation of the logarithm of the size of splats. FIT.
 const SIZES: f64 = 0.9;
 
-/// Farthest that a splat's outline is from its middle, in radii.
-const MOST_OUTLINE: f64 = 2.0;
-
-/// Nearest that it is.
-const LEAST_OUTLINE: f64 = 0.4;
-
-/// Cells that are worked out side by side.
-const TOGETHER: usize = 8;
-
 /// How large places are, mm, that are thicker and thinner, and by how much. FIT.
 const GRAIN: (f64, f64) = (2.2, 0.45);
 
 /// Largest radius of a splat, median diameters. FIT.
 const LARGEST: f64 = 3.0;
 
-/// Standard deviation of the logarithm of the thickness of splats. FIT.
-const THICKNESSES: f64 = 0.6;
+/// To which power of their size splats are thick: a drop spreads by D^¼ \[SchellerBousfield1995\], its splat is as thick as D^½;
+/// and the standard deviation of the logarithm of their thickness about that. FIT.
+const THICKER: f64 = 0.4;
+const THICKNESSES: f64 = 0.3;
 
 /// Most drops of spray of a splat, their least radius over its own, and how far they fly from the way that it came, rad. FIT.
 const MOST_SPRAY: f64 = 40.0;
 const SPRAY_OF_SPLAT: f64 = 0.035;
 const SPRAYS_RAD: f64 = 1.0;
+
+/// Splats fly upwards, as wheels throw them, with a standard deviation, rad, and are longer that way. FIT.
+const LEANS_RAD: f64 = 0.5;
 
 /// Mean cosine g of the angle by which a grain of earth scatters. FIT, of mineral dust.
 const FORWARDS: f64 = 0.75;
@@ -129,8 +126,14 @@ impl Mud {
             let middle_mm = [0, 1].map(|k| {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
             });
-            let splat = Splat::new(middle_mm, radius_mm, (&waves, &mut rng));
-            let thickness_mm = self.thickness_mm * libm::exp(THICKNESSES * normal(&mut rng));
+            let (sin, cos) = libm::sincos(-0.25 * TAU + LEANS_RAD * normal(&mut rng));
+            let fingers = Finger::of_splat(radius_mm, &mut rng);
+            let size_mm = (radius_mm, thickness.cell_mm);
+            let ahead = (middle_mm, [cos, sin]);
+            let splat = Splat::new(ahead, size_mm, &fingers, (&waves, &mut rng));
+            let thicker = libm::pow(2.0 * radius_mm / self.splat_mm, THICKER);
+            let thickness_mm =
+                self.thickness_mm * thicker * libm::exp(THICKNESSES * normal(&mut rng));
             covered += splat.add(&mut thickness, thickness_mm);
             // Spray, most of it beyond, as it was thrown: many small drops, few larger ones.
             let many = uniform(&mut rng);
@@ -141,11 +144,21 @@ impl Mud {
             )]
             let n_spray = (MOST_SPRAY * many * many) as u32;
             for _ in 0..n_spray {
-                let (sin, cos) = libm::sincos(-0.25 * TAU + SPRAYS_RAD * normal(&mut rng));
-                let away = radius_mm * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
-                let at = [middle_mm[0] + away * cos, middle_mm[1] + away * sin];
-                let radius = SPRAY_OF_SPLAT * radius_mm / (0.03 + 0.97 * uniform(&mut rng)).sqrt();
-                let drop = Splat::new(at, radius, (&waves, &mut rng));
+                let (sin, cos) = libm::sincos(SPRAYS_RAD * normal(&mut rng));
+                let (mut towards, mut from) = ([cos, sin], 1.0);
+                if let Some(finger) = Finger::one_of(&fingers, &mut rng) {
+                    (towards, from) = (finger.towards, finger.to);
+                }
+                let away = from * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
+                let way_mm = splat.on_pane_mm(towards.map(|it| away * it));
+                let at_mm = [0, 1].map(|k| middle_mm[k] + way_mm[k]);
+                let far_mm = libm::hypot(way_mm[0], way_mm[1]);
+                let ahead = (at_mm, way_mm.map(|it| it / far_mm));
+                let radius_mm =
+                    SPRAY_OF_SPLAT * radius_mm / (0.03 + 0.97 * uniform(&mut rng)).sqrt();
+                let size_mm = (radius_mm, thickness.cell_mm);
+                let waves = &waves[..SPRAY_LOBES];
+                let drop = Splat::new(ahead, size_mm, &[], (waves, &mut rng));
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
             for run in Run::of_splat((middle_mm, radius_mm), thickness_mm, &mut rng) {
@@ -158,163 +171,6 @@ impl Mud {
             grain: Field::over(area, GRAIN, (Stream::Mud, seed)),
         }
     }
-}
-
-/// Waves around the outline of a splat.
-const N_LOBES: usize = 14;
-
-/// Standard deviations of the shares of these waves: 0.2/k^1.1 of that of k times around, from k = 2 on. FIT.
-fn wave_sizes() -> [f64; N_LOBES] {
-    let mut sizes = [0.0; N_LOBES];
-    for (order, size) in (2_u32..).zip(&mut sizes) {
-        *size = 0.2 / libm::pow(f64::from(order), 1.1);
-    }
-    sizes
-}
-
-/// Directions in which splats are longer: upwards, as wheels throw them, with a standard deviation, rad. FIT.
-const LEANS_RAD: f64 = 0.5;
-
-/// One splat: a disc with a ragged outline, longer than wide.
-struct Splat {
-    middle_mm: [f64; 2],
-    radius_mm: f64,
-    /// Direction in which it is longer, and by how much.
-    along: [f64; 2],
-    longer: f64,
-    /// Shares of the cosine and the sine of each wave, from that of twice around on.
-    lobes: [[f64; 2]; N_LOBES],
-}
-
-impl Splat {
-    fn new(
-        middle_mm: [f64; 2],
-        radius_mm: f64,
-        (waves, rng): (&[f64; N_LOBES], &mut ChaCha8Rng),
-    ) -> Self {
-        let (sin, cos) = libm::sincos(0.25 * TAU + LEANS_RAD * normal(rng));
-        let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
-        let mut lobes = [[0.0; 2]; N_LOBES];
-        for (wave, lobe) in waves.iter().zip(&mut lobes) {
-            let size = wave * normal(rng);
-            let (sin, cos) = libm::sincos(TAU * uniform(rng));
-            *lobe = [size * cos, -size * sin];
-        }
-        Self {
-            middle_mm,
-            radius_mm,
-            along: [cos, sin],
-            longer,
-            lobes,
-        }
-    }
-
-    /// Farthest that its outline is from its middle, in radii of the disc that it was: no more than all waves together.
-    fn farthest(&self) -> f64 {
-        let most = self.lobes.iter().map(|[c, s]| (c * c + s * s).sqrt()).sum();
-        libm::exp(most).min(MOST_OUTLINE)
-    }
-
-    /// Of some places from the middle, mm, the squares of their distances from it in radii, and by how many powers of e the
-    /// outline is farther than a radius in their directions. None where all are farther than it is anywhere.
-    #[inline(always)]
-    fn outlines(
-        &self,
-        from_middle_mm: [[f64; TOGETHER]; 2],
-        farthest: f64,
-    ) -> Option<[[f64; TOGETHER]; 2]> {
-        let [along, across] = self.along;
-        let [[mut cos, mut sin], [mut away_square, mut outline]] = [[[0.0; TOGETHER]; 2]; 2];
-        for k in 0..TOGETHER {
-            let [x, y] = from_middle_mm.map(|it| it[k]);
-            let (x, y) = (
-                (x * along + y * across) / self.longer,
-                (y * along - x * across) * self.longer,
-            );
-            let length_square = x * x + y * y;
-            away_square[k] = length_square / (self.radius_mm * self.radius_mm);
-            let length = length_square.sqrt().max(1e-12);
-            (cos[k], sin[k]) = (x / length, y / length);
-        }
-        if away_square.iter().all(|it| *it >= farthest * farthest) {
-            return None;
-        }
-        // Cosines and sines of multiples of the angle, each from the one before.
-        let (mut c, mut s) = (cos, sin);
-        for [of_cos, of_sin] in &self.lobes {
-            for k in 0..TOGETHER {
-                (c[k], s[k]) = (c[k] * cos[k] - s[k] * sin[k], s[k] * cos[k] + c[k] * sin[k]);
-                outline[k] += of_cos * c[k] + of_sin * s[k];
-            }
-        }
-        Some([away_square, outline])
-    }
-
-    /// Adds its thickness, of what runs down no more than stays; returns how many cells it covers that were clean. Where it
-    /// lies over others the thinner of both adds 0.3 of its thickness (FIT).
-    fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
-        vectorized(
-            #[inline(always)]
-            || self.add_rows(thickness, most_mm),
-        )
-    }
-
-    #[inline(always)]
-    fn add_rows(&self, thickness: &mut Raster, most_mm: f64) -> usize {
-        let farthest = self.farthest();
-        let stays_mm = Run::stays_mm(self.radius_mm);
-        let reach_mm = farthest * self.longer * self.radius_mm;
-        let [columns, rows] = thickness.around(self.middle_mm, reach_mm);
-        let mut n_new = 0;
-        for y in rows {
-            for left in columns.clone().step_by(TOGETHER) {
-                let places = std::array::from_fn(|k| thickness.middle_mm(left + k, y));
-                let from_middle_mm =
-                    [0, 1].map(|axis| places.map(|at: [f64; 2]| at[axis] - self.middle_mm[axis]));
-                let Some([away_square, outline]) = self.outlines(from_middle_mm, farthest) else {
-                    continue;
-                };
-                let right = (left + TOGETHER).min(columns.end);
-                let cells = &mut thickness.values[y * thickness.size[0]..][left..right];
-                for ((cell, away_square), outline) in cells.iter_mut().zip(away_square).zip(outline)
-                {
-                    if away_square >= farthest * farthest || is_beyond(away_square, outline) {
-                        continue;
-                    }
-                    let outline = libm::exp(outline).clamp(LEAST_OUTLINE, MOST_OUTLINE);
-                    let part_square = away_square / (outline * outline);
-                    if part_square >= 1.0 {
-                        continue;
-                    }
-                    n_new += usize::from(*cell <= 0.0);
-                    #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                    let more = (most_mm * dried(part_square)).min(stays_mm) as f32;
-                    *cell = cell.max(more) + 0.3 * cell.min(more);
-                }
-            }
-        }
-        n_new
-    }
-}
-
-/// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its
-/// edge: a little thicker all around than in the middle, for water leaves at the edge and takes earth there with it
-/// \[Deegan1997\], and steep at its end. FIT.
-#[inline(always)]
-fn dried(part_square: f64) -> f64 {
-    let sixth = part_square * part_square * part_square;
-    (1.0 - sixth * sixth).max(0.0).sqrt() * (0.827 + 0.327 * part_square)
-}
-
-/// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x ≤ (1 − x/64)⁻⁶⁴ for x below 64.
-#[inline(always)]
-fn is_beyond(away_square: f64, outline: f64) -> bool {
-    let mut less = 1.0 - outline / 64.0;
-    for _ in 0..7 {
-        less *= less;
-    }
-    let least_square = LEAST_OUTLINE * LEAST_OUTLINE;
-    outline < 64.0 && away_square * less.min(1.0 / least_square) > 1.0 + 1e-9
 }
 
 /// Mud on one pane.
@@ -339,21 +195,5 @@ impl Coating for MuddyPane {
 
     fn turns_by_rad(&self) -> [f64; 2] {
         [0.0, TURNED_RAD]
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_beyond_an_outline_is_no_nearer_than_it() {
-        for k in -2000..=2000 {
-            let outline = f64::from(k) * 1e-3;
-            let radius = libm::exp(outline).max(LEAST_OUTLINE);
-            assert!(!is_beyond(radius * radius, outline), "on it at {outline}");
-            assert!(!is_beyond(0.99 * radius * radius, outline), "within it");
-            assert!(is_beyond(1.2 * radius * radius, outline), "far from it");
-        }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::uniform;
 
-use super::dried;
+use super::splat::dried;
 use crate::raster::Raster;
 
 /// What is thicker runs down: τ/(ρ g sin α) of a slurry with a yield stress τ of 2 Pa and a density ρ of 1,600 kg/m³ on
