@@ -93,6 +93,10 @@ impl Settings {
         view: &View,
         drops: Option<(&[Cap], &View)>,
     ) -> Result<(), Error> {
+        let most = self.most_of_showing(network, view, drops);
+        if most.within(self.max_memory_bytes).is_ok() {
+            return Ok(());
+        }
         self.cost_of_showing(network, view, drops)
             .within(self.max_memory_bytes)
     }

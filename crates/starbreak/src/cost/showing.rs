@@ -70,12 +70,36 @@ impl Settings {
         view: &View,
         drops: Option<(&[Cap], &View)>,
     ) -> Cost {
+        self.cost_of_showing_with(network, view, drops.and_then(|drops| self.of_drops(drops)))
+    }
+
+    /// No less than [`Settings::cost_of_showing`], without looking at each drop: as if they were all over the frame.
+    pub(super) fn most_of_showing(
+        &self,
+        network: &CrackNetwork,
+        view: &View,
+        drops: Option<(&[Cap], &View)>,
+    ) -> Cost {
+        let of_drops = drops.map(|(caps, view)| {
+            #[expect(clippy::cast_precision_loss, reason = "a number of drops")]
+            let n = caps.len() as f64;
+            (drops_bytes(n, area_px(view.size())), SMALLER_IMAGE)
+        });
+        self.cost_of_showing_with(network, view, of_drops)
+    }
+
+    fn cost_of_showing_with(
+        &self,
+        network: &CrackNetwork,
+        view: &View,
+        of_drops: Option<Part>,
+    ) -> Cost {
         let area_px = area_px(view.size());
         let is_broken = network.n_segments() > 0;
         let mut parts: Vec<Part> = vec![(FRAME_BYTES * area_px, SMALLER_IMAGE)];
         parts.extend(self.of_faults(area_px, is_broken));
         parts.extend(self.of_coats(view));
-        parts.extend(drops.and_then(|drops| self.of_drops(drops)));
+        parts.extend(of_drops);
         match &self.optics {
             OpticsSettings::Paper(optics) => {
                 let touched = touched_by_lines(network, view, optics);
@@ -184,9 +208,8 @@ impl Settings {
                 touched.mark_line([u, v, u, v], disc + radius);
             }
         }
-        let bytes =
-            DROPS_BYTES + DROP_BYTES * n + WET_BYTES * area_px(view.size()) * touched.share();
-        Some((bytes, SMALLER_IMAGE))
+        let wet_px = area_px(view.size()) * touched.share();
+        Some((drops_bytes(n, wet_px), SMALLER_IMAGE))
     }
 
     /// What changes every pixel, and the maps.
@@ -207,6 +230,11 @@ impl Settings {
     fn f_px(&self, view: &View) -> f64 {
         self.camera.f_px.of_frame(view.size().0)
     }
+}
+
+/// What so many drops that are seen take, on so many pixels.
+fn drops_bytes(n: f64, wet_px: f64) -> f64 {
+    DROPS_BYTES + DROP_BYTES * n + WET_BYTES * wet_px
 }
 
 fn area_px((width, height): (u32, u32)) -> f64 {
