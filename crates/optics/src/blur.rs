@@ -21,6 +21,17 @@ impl Kernel {
         Self { half }
     }
 
+    /// A sampled Gaussian of a standard deviation, in samples, that is cut where hardly any of it is left.
+    pub(crate) fn wide(sigma: f64) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some samples"
+        )]
+        let radius = (3.5 * sigma).ceil() as usize;
+        Self::gaussian(radius, sigma.max(1e-6))
+    }
+
     pub(crate) fn radius(&self) -> usize {
         self.half.len() - 1
     }
@@ -106,8 +117,9 @@ pub(crate) fn blur_pixels(
 
 /// Σ over the taps of weight · (sample on one side + sample on the other); the first tap has
 /// the middle on both sides. Blocks of samples keep their sums in registers.
-fn weighted_sum(taps: &[(&[f32], &[f32])], kernel: &Kernel, out: &mut [f32]) {
-    const BLOCK: usize = 16;
+#[inline(always)]
+pub(crate) fn weighted_sum(taps: &[(&[f32], &[f32])], kernel: &Kernel, out: &mut [f32]) {
+    const BLOCK: usize = 32;
     let weight = |k: usize| {
         if k == 0 {
             kernel.half[0] * 0.5

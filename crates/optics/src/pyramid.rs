@@ -2,6 +2,8 @@
 
 use wide::f32x4;
 
+use crate::blur::{Kernel, weighted_sum};
+
 /// Cells per standard deviation of a Gaussian, at least.
 const CELLS_PER_SIGMA: f64 = 2.0;
 
@@ -177,7 +179,7 @@ fn blurred<const COLORS: usize>(
     let sigma = sigma_px / f64::from(per_cell);
     // Variances per axis, cells²: means 1/12, lines 1/6.
     let known = if per_cell > 1 { 0.25 } else { 0.0 };
-    let kernel = gaussian((sigma * sigma - known).max(0.0).sqrt());
+    let kernel = Kernel::wide((sigma * sigma - known).max(0.0).sqrt());
     let light = vectorized(
         #[inline(always)]
         || by_kernel(light, size, &kernel),
@@ -189,14 +191,14 @@ fn blurred<const COLORS: usize>(
     }
 }
 
-/// Spread by the middle and one side of a kernel, across and down.
+/// Spread by a kernel, across and down.
 #[inline(always)]
 fn by_kernel<const COLORS: usize>(
     light: &[[f32; COLORS]],
     (width, height): (usize, usize),
-    kernel: &[f32],
+    kernel: &Kernel,
 ) -> Vec<[f32; COLORS]> {
-    let reach = kernel.len() - 1;
+    let reach = kernel.radius();
     // Rows that are spread across, as many as are spread down together.
     let n_rows = (2 * reach + 1).min(height);
     let mut across = vec![[0.0_f32; COLORS]; n_rows * width];
@@ -211,14 +213,14 @@ fn by_kernel<const COLORS: usize>(
             row_by_kernel(row, &mut wide, &mut across[slot..slot + width], kernel);
         }
         n_across = wanted;
-        for (k, share) in kernel.iter().enumerate() {
-            let (y, k) = (y.cast_signed(), k.cast_signed());
-            let sides: &[isize] = if k == 0 { &[y] } else { &[y - k, y + k] };
-            for from in sides {
-                let slot = mirrored(*from, height) % n_rows * width;
-                add_times(to, &across[slot..slot + width], *share);
-            }
-        }
+        let row = |k: isize| {
+            let slot = mirrored(y.cast_signed() + k, height) % n_rows * width;
+            across[slot..slot + width].as_flattened()
+        };
+        let taps: Vec<_> = (0..=reach.cast_signed())
+            .map(|k| (row(-k), row(k)))
+            .collect();
+        weighted_sum(&taps, kernel, to.as_flattened_mut());
     }
     out
 }
@@ -229,25 +231,19 @@ fn row_by_kernel<const COLORS: usize>(
     row: &[[f32; COLORS]],
     wide: &mut [[f32; COLORS]],
     to: &mut [[f32; COLORS]],
-    kernel: &[f32],
+    kernel: &Kernel,
 ) {
-    let (width, reach) = (row.len(), kernel.len() - 1);
+    let (width, reach) = (row.len(), kernel.radius());
     wide[reach..reach + width].copy_from_slice(row);
     for k in 0..reach {
         wide[k] = row[mirrored(k.cast_signed() - reach.cast_signed(), width)];
         wide[reach + width + k] = row[mirrored((width + k).cast_signed(), width)];
     }
-    to.fill([0.0; COLORS]);
-    for (k, share) in kernel.iter().enumerate() {
-        let sides: &[usize] = if k == 0 {
-            &[reach]
-        } else {
-            &[reach - k, reach + k]
-        };
-        for first in sides {
-            add_times(to, &wide[*first..*first + width], *share);
-        }
-    }
+    let from = |first: usize| wide[first..first + width].as_flattened();
+    let taps: Vec<_> = (0..=reach)
+        .map(|k| (from(reach - k), from(reach + k)))
+        .collect();
+    weighted_sum(&taps, kernel, to.as_flattened_mut());
 }
 
 fn add_rows<const COLORS: usize>(light: &mut [f32], mut rows: Rows<'_, COLORS>) {
@@ -481,31 +477,6 @@ fn halved<const COLORS: usize>(
 #[inline(always)]
 pub(crate) fn vectorized<R>(run: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(run)
-}
-
-#[inline(always)]
-fn add_times<const COLORS: usize>(to: &mut [[f32; COLORS]], from: &[[f32; COLORS]], share: f32) {
-    for (to, from) in to.as_flattened_mut().iter_mut().zip(from.as_flattened()) {
-        *to += share * from;
-    }
-}
-
-/// The middle and one side of a Gaussian of a standard deviation, in cells; with its other side it sums to 1.
-fn gaussian(sigma: f64) -> Vec<f32> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "some cells"
-    )]
-    let reach = (3.5 * sigma).ceil() as u32;
-    let at = |k: u32| {
-        let ratio = f64::from(k) / sigma.max(1e-6);
-        libm::exp(-0.5 * ratio * ratio)
-    };
-    let sum: f64 = (1..=reach).map(|k| 2.0 * at(k)).sum::<f64>() + 1.0;
-    #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
-    let side = (0..=reach).map(|k| (at(k) / sum) as f32).collect();
-    side
 }
 
 /// Index of a sample beyond the border, mirrored at the border's own edge.
