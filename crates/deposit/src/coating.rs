@@ -85,9 +85,9 @@ pub trait Coating {
         to.extend(at_mm.iter().map(|at| self.passage(*at)));
     }
 
-    /// A way over the pane on which it hardly changes, mm.
+    /// How wide the places may be that it is looked at, mm; 0 where that is all the same to it.
     fn even_over_mm(&self) -> f64 {
-        0.7
+        0.0
     }
 
     /// Standard deviations per axis of its smaller and its larger angle, rad.

@@ -32,8 +32,8 @@ const FILM_LEFT: f64 = 0.018_315_638_888_734_18;
 /// How long a frame is exposed, s: so far it is blurred. GUESS.
 const EXPOSED_S: f64 = 0.005;
 
-/// Its edge is no sharper than this, mm.
-const EDGE_MM: f64 = 0.5;
+/// Its edge is no sharper than this, mm: a blade of rubber stands off the pane beside its lip. GUESS.
+const EDGE_MM: f64 = 1.5;
 
 /// A wiper as it passes, there or back, and what it leaves for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -220,9 +220,8 @@ impl Coating for Wiper {
         }
     }
 
-    /// It moves farther than that while a frame is exposed.
     fn even_over_mm(&self) -> f64 {
-        2.0
+        EDGE_MM
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {

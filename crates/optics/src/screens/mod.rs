@@ -75,12 +75,26 @@ fn radius_px(view: &View, lens: &Lens, f_px: f64, row_px: f64) -> f64 {
     0.5 * lens.circle_of_confusion_px(f_px, depth_m)
 }
 
+/// Width of the cells of a coat that is even over a way on the pane, mm, px.
+fn even_px(view: &View, even_over_mm: f64) -> u32 {
+    let middle = [view.size().0, view.size().1].map(|n| 0.5 * f64::from(n));
+    let px_per_mm = (view.unproject(middle)).and_then(|at_mm| view.px_per_unit(at_mm));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "some px"
+    )]
+    let even_px = (even_over_mm * px_per_mm.unwrap_or(0.0)).clamp(1.0, WIDEST_PX) as u32;
+    even_px
+}
+
 impl Screen {
     /// Of a coat on the pane that a view sees through a lens.
     #[must_use]
     pub fn of(coating: &dyn Coating, view: &View, optic: &Optic) -> Self {
         let radius = |row_px: f64| radius_px(view, &optic.lens, optic.f_px, row_px);
         let per_cell = Self::cell_px(view, &optic.lens, optic.f_px);
+        let per_cell = per_cell.max(even_px(view, coating.even_over_mm()));
         let samples = Samples::of(coating, (view, optic.f_px), per_cell);
         let radii: Vec<f64> = (0_u32..)
             .take(samples.size.1)

@@ -8,7 +8,8 @@ use crate::maps::Pupil;
 use crate::physical::{Beyond, defocus_rows};
 use crate::pyramid::Cells;
 
-/// Most places of a cell of which the mean is taken.
+/// A way over the pane on which a coat does not change, mm, and most places of a cell of which the mean is taken.
+const LONGEST_MM: f64 = 0.7;
 const MOST_PLACES: u32 = 32;
 
 /// How a coat changes where light goes, cell by cell.
@@ -70,6 +71,7 @@ impl Samples {
         }
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
         let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
+        let longest_mm = coating.even_over_mm().max(LONGEST_MM);
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
         // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
@@ -79,7 +81,7 @@ impl Samples {
             places_mm.clear();
             let seen = &rows[1];
             let beside = [rows[0].as_slice(), &rows[2]];
-            let n_places = add_footprints(seen, beside, coating.even_over_mm(), &mut places_mm);
+            let n_places = add_footprints(seen, beside, longest_mm, &mut places_mm);
             there.clear();
             coating.passages(&places_mm, &mut there);
             let mut there = there.chunks_exact(n_places);
