@@ -357,6 +357,6 @@ mod tests {
             }
         }
         // Of some 20 × 1,800 cells, some in fingers.
-        assert!(n_covered > 30_000 && n_far > 500, "{n_covered}, {n_far}");
+        assert!(n_covered > 30_000 && n_far > 200, "{n_covered}, {n_far}");
     }
 }
