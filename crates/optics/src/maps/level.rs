@@ -37,6 +37,14 @@ pub(super) struct Level {
     pub(super) is_halved: bool,
 }
 
+/// The exponent of the least power of two that is not below a number above 0.
+fn next_power_of_two(value: f64) -> i32 {
+    const DIGITS: u32 = f64::MANTISSA_DIGITS - 1;
+    let bits = value.to_bits();
+    let exponent = i32::try_from(bits >> DIGITS).unwrap_or(i32::MAX) - (f64::MAX_EXP - 1);
+    exponent + i32::from(bits % (1 << DIGITS) > 0)
+}
+
 impl Level {
     pub(super) fn of(radius_px: f64) -> Self {
         if radius_px.abs() < IN_FOCUS_PX {
@@ -47,11 +55,8 @@ impl Level {
             };
         }
         let exponent_for = |cells: f64| -> i32 {
-            // Also right for a radius of 0, whose logarithm is −∞.
-            let exact = libm::log2(cells / radius_px.abs());
-            #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-            let exponent = exact.ceil().clamp(f64::from(COARSEST), 9.0) as i32;
-            exponent
+            // Also right for a radius of 0.
+            next_power_of_two(cells / radius_px.abs()).clamp(COARSEST, 9)
         };
         let [equal, coarse] = CELLS_PER_RADIUS.map(exponent_for);
         // Where pixels are too coarse, halves of them at least.
@@ -88,5 +93,21 @@ impl Level {
         let kernel = if self.exponent >= 0 { 0.0 } else { 1.0 / 12.0 };
         let second = 1.0 / 16.0 - 1.0 / 48.0 - kernel;
         [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_of_two_is_its_own_next() {
+        for exponent in -30..=30 {
+            let power = libm::scalbn(1.0, exponent);
+            assert_eq!(next_power_of_two(power), exponent, "{power}");
+            assert_eq!(next_power_of_two(1.001 * power), exponent + 1, "{power}");
+            assert_eq!(next_power_of_two(0.999 * power), exponent, "{power}");
+        }
+        assert!(next_power_of_two(f64::INFINITY) > 1000, "of no radius");
     }
 }
