@@ -42,7 +42,7 @@ fn next_power_of_two(value: f64) -> i32 {
     const DIGITS: u32 = f64::MANTISSA_DIGITS - 1;
     let bits = value.to_bits();
     let exponent = i32::try_from(bits >> DIGITS).unwrap_or(i32::MAX) - (f64::MAX_EXP - 1);
-    exponent + i32::from(bits % (1 << DIGITS) > 0)
+    exponent + i32::from(!bits.is_multiple_of(1 << DIGITS))
 }
 
 impl Level {
