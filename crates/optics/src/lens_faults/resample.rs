@@ -60,13 +60,24 @@ fn resample_of<const COLORS: usize>(
                 vectorized(
                     #[inline(always)]
                     || {
+                        let moves = [0, 1].map(|axis| moves([a, b, c, d], [left, top], axis));
                         for y in top..bottom {
                             let t = part_of_square(y - top);
-                            let across = Taps::between(t, 0, [a, b, c, d]);
-                            let down = Taps::between(t, 1, [a, b, c, d]);
+                            let across = Taps::between(t, &moves[0]);
+                            let down = Taps::between(t, &moves[1]);
                             let row = &mut rows[y * width + left..y * width + right];
+                            if COLORS == 1
+                                && let Some(first) =
+                                    first_of_all([&across, &down], [left, y], (width, height))
+                                && let Some(row) = row.as_flattened_mut().first_chunk_mut()
+                            {
+                                let light = &light.as_flattened()[first..];
+                                *row = sample_row(light, width, &across.shares, &down.shares);
+                                continue;
+                            }
                             for (x, pixel) in row.iter_mut().enumerate() {
-                                *pixel = sample(light, (width, height), across.at(x), down.at(x));
+                                let (across, down) = (across.at(x, left + x), down.at(x, y));
+                                *pixel = sample(light, (width, height), across, down);
                             }
                         }
                     },
@@ -78,7 +89,8 @@ fn resample_of<const COLORS: usize>(
                     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
                     let place = from(x as f64 + 0.5, y as f64 + 0.5);
                     if let Some(place) = place {
-                        let [across, down] = place.map(|place| Taps::of([place]).at(0));
+                        let [across, down] = [(x, place[0]), (y, place[1])]
+                            .map(|(at, place)| Taps::of([moved(place, at, 0.5)]).at(0, at));
                         rows[y * width + x] = sample(light, (width, height), across, down);
                     }
                 }
@@ -92,8 +104,74 @@ fn resample_of<const COLORS: usize>(
 /// Where the middle of a pixel of a square is between its sides.
 #[expect(clippy::cast_precision_loss, reason = "px of a square")]
 #[inline(always)]
-fn part_of_square(k: usize) -> f64 {
-    (k as f64 + 0.5) / SQUARE as f64
+fn part_of_square(k: usize) -> f32 {
+    (k as f32 + 0.5) / SQUARE as f32
+}
+
+/// How far a place is from that of a pixel, or from so far behind it, px.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "some px"
+)]
+#[inline(always)]
+fn moved(place: f64, pixel: usize, behind: f64) -> f32 {
+    (place - (pixel as f64 + behind)) as f32
+}
+
+/// How far the places of a square's corners are from these along an axis, px: upper left and right, lower left and right.
+#[inline(always)]
+fn moves(places: [[f64; 2]; 4], first: [usize; 2], axis: usize) -> [f32; 4] {
+    let mut moves = [0.0; 4];
+    for (k, (to, place)) in moves.iter_mut().zip(places).enumerate() {
+        let is_beyond = [k % 2, k / 2][axis];
+        *to = moved(place[axis], first[axis] + SQUARE * is_beyond, 0.0);
+    }
+    moves
+}
+
+/// The first of the four pixels of each of some places side by side, if these are side by side, too, and all within the
+/// frame.
+#[inline(always)]
+fn first_of_all(
+    [across, down]: [&Taps<SQUARE>; 2],
+    [left, y]: [usize; 2],
+    (width, height): (usize, usize),
+) -> Option<usize> {
+    let [mut is_other, first, top] = [0, across.first[0], down.first[0]];
+    for x in 0..SQUARE {
+        is_other |= (across.first[x] ^ first) | (down.first[x] ^ top);
+    }
+    let left = left.checked_add_signed(first as isize)?;
+    let top = y.checked_add_signed(top as isize)?;
+    let is_inside = left + SQUARE + 3 <= width && top + 4 <= height;
+    (is_other == 0 && is_inside).then_some(top * width + left)
+}
+
+/// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`].
+#[inline(always)]
+fn sample_row(
+    light: &[f32],
+    width: usize,
+    across: &[[f32; SQUARE]; 4],
+    down: &[[f32; SQUARE]; 4],
+) -> [f32; SQUARE] {
+    let mut columns = [[0.0; SQUARE]; 4];
+    for (j, down) in down.iter().enumerate() {
+        let row = &light[j * width..][..SQUARE + 3];
+        for (i, column) in columns.iter_mut().enumerate() {
+            let row = &row[i..i + SQUARE];
+            for x in 0..SQUARE {
+                column[x] += down[x] * row[x];
+            }
+        }
+    }
+    let mut sum = [0.0; SQUARE];
+    for x in 0..SQUARE {
+        let [a, b, d, e] = [0, 1, 2, 3].map(|i| across[i][x] * columns[i][x]);
+        sum[x] = ((a + b) + (d + e)).max(0.0);
+    }
+    sum
 }
 
 /// The light at a place, by four columns and four rows: the first of them, and their shares.
@@ -155,7 +233,7 @@ fn sample<const COLORS: usize>(
     std::array::from_fn(|c| sum[c])
 }
 
-/// For places side by side, px, the first of the four pixels around each, and their shares.
+/// For places side by side, px, the first of the four pixels around each, from the pixel that it is of, and their shares.
 struct Taps<const N: usize> {
     first: [i32; N],
     shares: [[f32; N]; 4],
@@ -165,33 +243,28 @@ impl Taps<SQUARE> {
     /// For the columns of a square, in a row between its upper corners and its lower ones.
     // Loops and no `map`: its closures are not inlined, and so are compiled for the oldest processor.
     #[inline(always)]
-    fn between(t: f64, axis: usize, [a, b, c, d]: [[f64; 2]; 4]) -> Self {
-        let first = a[axis] + t * (c[axis] - a[axis]);
-        let last = b[axis] + t * (d[axis] - b[axis]);
-        let mut places = [0.0; SQUARE];
-        for (x, place) in places.iter_mut().enumerate() {
-            *place = first + part_of_square(x) * (last - first);
+    fn between(t: f32, [a, b, c, d]: &[f32; 4]) -> Self {
+        let first = a + t * (c - a);
+        let last = b + t * (d - b);
+        let mut moved = [0.0; SQUARE];
+        for (x, moved) in moved.iter_mut().enumerate() {
+            *moved = first + part_of_square(x) * (last - first);
         }
-        Self::of(places)
+        Self::of(moved)
     }
 }
 
 impl<const N: usize> Taps<N> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "px of a frame; shares of light"
-    )]
     #[inline(always)]
-    fn of(places: [f64; N]) -> Self {
+    fn of(moved: [f32; N]) -> Self {
         let mut first = [0; N];
         let mut shares = [[0.0; N]; 4];
         for x in 0..N {
-            let place = places[x] - 0.5;
-            let whole = place.floor();
-            let t = (place - whole) as f32;
+            let whole = moved[x].floor();
+            let t = moved[x] - whole;
             let (t2, t3) = (t * t, t * t * t);
             // What is no number is beyond the border, too: there all processors make 0 of it.
-            let bounded = if whole > -1e9 { whole } else { -1e9 }.min(1e9);
+            let bounded = if whole > -FARTHEST { whole } else { -FARTHEST }.min(FARTHEST);
             first[x] = lowest_bits(bounded - 1.0);
             shares[0][x] = 0.5 * (-t + 2.0 * t2 - t3);
             shares[1][x] = 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3);
@@ -201,20 +274,23 @@ impl<const N: usize> Taps<N> {
         Self { first, shares }
     }
 
-    /// Those of one place.
+    /// Those of one place, which is that of a pixel.
     #[inline(always)]
-    fn at(&self, x: usize) -> (isize, [f32; 4]) {
+    fn at(&self, x: usize, pixel: usize) -> (isize, [f32; 4]) {
         let [a, b, c, d] = &self.shares;
-        (self.first[x] as isize, [a[x], b[x], c[x], d[x]])
+        let first = pixel.cast_signed() + self.first[x] as isize;
+        (first, [a[x], b[x], c[x], d[x]])
     }
 }
 
-/// A whole number below 2³¹ as an integer: added to 1.5 · 2⁵², whose last bit counts 1, it lies in the lowest bits.
-#[expect(clippy::cast_possible_truncation, reason = "that is the point")]
+/// Farther than any frame is wide, px.
+const FARTHEST: f32 = 4e6;
+
+/// A whole number below 2²² as an integer: added to 1.5 · 2²³, whose last bit counts 1, it lies in the lowest bits.
 #[inline(always)]
-fn lowest_bits(whole: f64) -> i32 {
+fn lowest_bits(whole: f32) -> i32 {
     // A cast would saturate, and is not done for several at once.
-    (whole + 6_755_399_441_055_744.0).to_bits() as i32
+    (whole + 12_582_912.0).to_bits().cast_signed() - 12_582_912_f32.to_bits().cast_signed()
 }
 
 fn clamped(k: isize, n: usize) -> usize {
@@ -243,20 +319,29 @@ mod tests {
             };
             let [s, t] = [x, y].map(|k| part_of_square(k % SQUARE));
             let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
-            let place = match corners {
+            let at = [x, y];
+            let moved = match corners {
                 [Some(a), Some(b), Some(c), Some(d)] => Some([0, 1].map(|k| {
-                    let (first, last) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
+                    let before = (at[k] / SQUARE * SQUARE) as f64;
+                    let beyond = before + SQUARE as f64;
+                    let [of_b, of_c] = [1 - k, k].map(|is| if is == 1 { beyond } else { before });
+                    let a = (a[k] - before) as f32;
+                    let b = (b[k] - of_b) as f32;
+                    let c = (c[k] - of_c) as f32;
+                    let d = (d[k] - beyond) as f32;
+                    let (first, last) = (a + t * (c - a), b + t * (d - b));
                     first + s * (last - first)
                 })),
-                _ => from(x as f64 + 0.5, y as f64 + 0.5),
+                _ => from(x as f64 + 0.5, y as f64 + 0.5)
+                    .map(|place| [0, 1].map(|k| (place[k] - (at[k] as f64 + 0.5)) as f32)),
             };
-            let Some(place) = place else {
+            let Some(moved) = moved else {
                 out.extend([0.0; COLORS]);
                 continue;
             };
-            let taps = place.map(|place| {
-                let whole = (place - 0.5).floor();
-                let t = (place - 0.5 - whole) as f32;
+            let taps = [0, 1].map(|k| {
+                let whole = moved[k].floor();
+                let t = moved[k] - whole;
                 let (t2, t3) = (t * t, t * t * t);
                 let shares = [
                     0.5 * (-t + 2.0 * t2 - t3),
@@ -264,7 +349,12 @@ mod tests {
                     0.5 * (t + 4.0 * t2 - 3.0 * t3),
                     0.5 * (t3 - t2),
                 ];
-                ((whole as isize).saturating_sub(1), shares)
+                (
+                    (whole as isize)
+                        .saturating_add_unsigned(at[k])
+                        .saturating_sub(1),
+                    shares,
+                )
             });
             let [(left, across), (top, down)] = taps;
             for color in 0..COLORS {
