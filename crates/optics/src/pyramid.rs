@@ -45,6 +45,11 @@ impl<const COLORS: usize> Cells<COLORS> {
         }
     }
 
+    /// All cells, in rows.
+    pub(crate) fn all_mut(&mut self) -> &mut [[f32; COLORS]] {
+        &mut self.light
+    }
+
     /// Rows of cells, to be changed.
     pub(crate) fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, [f32; COLORS]> {
         self.light.chunks_exact_mut(self.size.0)

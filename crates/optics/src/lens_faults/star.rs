@@ -72,23 +72,10 @@ impl Star {
 
     /// What is brighter than white gives its share to its star; of the rest nobody sees it.
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
-        if light.iter().all(|value| *value <= 1.0) {
+        let lamps = Self::lamps::<COLORS>(light);
+        if lamps.is_empty() {
             return;
         }
-        let (width, _) = optic.size;
-        let mut lamps = Cells::<COLORS>::of(light, optic.size);
-        for pixel in lamps.values_mut() {
-            if pixel.iter().all(|value| *value <= 1.0) {
-                *pixel = [0.0; COLORS];
-            }
-        }
-        let spikes = self.spikes();
-        let n_lit = |cells: &Cells<COLORS>| {
-            cells
-                .values()
-                .filter(|it| it.iter().any(|value| *value > 0.0))
-                .count()
-        };
         let [from, to] = [FROM_PX, TO_PX].map(|px| self.beyond(px, optic));
         let shares: Rgb = std::array::from_fn(|k| {
             #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
@@ -97,38 +84,72 @@ impl Star {
         });
         let shares: [f32; COLORS] =
             std::array::from_fn(|k| shares[if COLORS == 1 { 1 } else { k }]);
-        for (pixel, lamp) in light
-            .as_chunks_mut::<COLORS>()
-            .0
-            .iter_mut()
-            .zip(lamps.values())
-        {
-            for (k, value) in pixel.iter_mut().enumerate() {
-                *value -= shares[k] * lamp[k];
+        let pixels = light.as_chunks_mut::<COLORS>().0;
+        for (at, lamp) in &lamps {
+            for k in 0..COLORS {
+                pixels[*at][k] -= shares[k] * lamp[k];
             }
         }
-        while n_lit(&lamps) * spikes.len() > MOST_SPIKES && lamps.size.0 > 8 {
-            lamps = lamps.halved();
-        }
-        let mut star = vec![[0.0_f32; COLORS]; lamps.size.0 * lamps.size.1];
-        let steps: Vec<Step> = (spikes.iter())
-            .flat_map(|angle| steps(*angle, f64::from(lamps.per_cell)))
-            .collect();
+        let spikes = self.spikes();
         let per_spike = 1.0 / to_f32(spikes.len());
-        let columns = lamps.size.0;
-        for (at, lamp) in lamps.values().enumerate() {
-            if lamp.iter().all(|value| *value <= 0.0) {
-                continue;
-            }
-            let sends: [f32; COLORS] = std::array::from_fn(|k| lamp[k] * shares[k] * per_spike);
-            let at = [at % columns, at / columns].map(usize::cast_signed);
-            for step in &steps {
-                step.add(&mut star, lamps.size, (at, sends));
+        let sends = |lamp: [f32; COLORS]| std::array::from_fn(|k| lamp[k] * shares[k] * per_spike);
+        if lamps.len() * spikes.len() <= MOST_SPIKES {
+            let lamps = lamps.into_iter().map(|(at, lamp)| (at, sends(lamp)));
+            add_spikes(pixels, optic.size.0, lamps, (&spikes, 1));
+            return;
+        }
+        let mut cells = Cells::<COLORS>::none(optic.size, 1);
+        for (at, lamp) in lamps {
+            cells.all_mut()[at] = lamp;
+        }
+        let is_lit = |light: &[f32; COLORS]| light.iter().any(|value| *value > 0.0);
+        let n_lit = |cells: &Cells<COLORS>| cells.values().filter(|it| is_lit(it)).count();
+        while n_lit(&cells) * spikes.len() > MOST_SPIKES && cells.size.0 > 8 {
+            cells = cells.halved();
+        }
+        let mut star = Cells::<COLORS>::none(optic.size, cells.per_cell);
+        let lamps = cells.values().copied().enumerate();
+        let lamps = (lamps.filter(|(_, lamp)| is_lit(lamp))).map(|(at, lamp)| (at, sends(lamp)));
+        let width = cells.size.0;
+        add_spikes(star.all_mut(), width, lamps, (&spikes, cells.per_cell));
+        // A cell holds the mean of its pixels, so that light stays what it is.
+        star.add_to(light, optic.size.0);
+    }
+
+    /// The pixels that are brighter than white, with their light.
+    fn lamps<const COLORS: usize>(light: &[f32]) -> Vec<(usize, [f32; COLORS])> {
+        /// Pixels that are looked at together: most are darker.
+        const TOGETHER: usize = 32;
+        let pixels = light.as_chunks::<COLORS>().0;
+        let mut lamps = Vec::new();
+        for (some, first) in pixels.chunks(TOGETHER).zip((0..).step_by(TOGETHER)) {
+            let values = some.as_flattened().iter();
+            if values.fold(false, |any, value| any | (*value > 1.0)) {
+                let is_lamp = |pixel: &[f32; COLORS]| pixel.iter().any(|value| *value > 1.0);
+                let some = (first..).zip(some.iter().copied());
+                lamps.extend(some.filter(|(_, pixel)| is_lamp(pixel)));
             }
         }
-        let star = Cells::<COLORS>::of_cells(star.as_flattened(), lamps.size, lamps.per_cell);
-        // A cell holds the mean of its pixels, so that light stays what it is.
-        star.add_to(light, width);
+        lamps
+    }
+}
+
+/// Adds the light that lamps send along each spike to cells of a width, px, in rows of so many.
+fn add_spikes<const COLORS: usize>(
+    cells: &mut [[f32; COLORS]],
+    columns: usize,
+    lamps: impl Iterator<Item = (usize, [f32; COLORS])>,
+    (spikes, per_cell): (&[f64], u32),
+) {
+    let steps: Vec<Step> = (spikes.iter())
+        .flat_map(|angle| steps(*angle, f64::from(per_cell)))
+        .collect();
+    let size = (columns, cells.len() / columns);
+    for (at, light) in lamps {
+        let at = [at % columns, at / columns].map(usize::cast_signed);
+        for step in &steps {
+            step.add(cells, size, (at, light));
+        }
     }
 }
 
