@@ -27,7 +27,8 @@ pub struct Mud {
     pub coverage: f64,
     /// Median diameter of a splat, mm.
     pub splat_mm: f64,
-    /// Thickness of a splat of that diameter where it is thickest, as it hits the glass, in the median, mm. What is thicker than 0.25 mm runs down.
+    /// Thickness of a splat of that diameter where it is thickest, as it hits the glass, in the median, mm. What is thicker
+    /// than 0.25 mm runs down.
     pub thickness_mm: f64,
     /// What it absorbs of red, green and blue, K, mm⁻¹.
     pub absorbs_per_mm: [f64; 3],

@@ -54,8 +54,8 @@ pub(super) struct MudTable {
     /// Median diameter of a splat, mm, 2 to 40.
     #[schemars(range(min = 2.0, max = 40.0))]
     pub(super) splat_mm: f64,
-    /// How thick it hits the glass, um, 10 to 2000, the median of splats: thin mud is brown glass, thick mud lets
-    /// nothing through, and what is thicker than 250 um runs down.
+    /// How thick splats of that diameter hit the glass, um, 10 to 2000; larger ones are thicker. Thin mud is brown
+    /// glass, thick mud lets nothing through, and what is thicker than 250 um runs down.
     #[schemars(range(min = 10.0, max = 2000.0))]
     pub(super) thickness_um: f64,
     /// What it absorbs of red, green and blue per mm, 0 to 200.
