@@ -10,15 +10,18 @@ use starbreak_seed::{Seed, Stream};
 const BITS: u32 = 12;
 
 /// Quantiles of the standard normal distribution at k/4096; those at both ends are never used.
-static QUANTILES: LazyLock<Vec<f32>> = LazyLock::new(|| {
+static QUANTILES: LazyLock<[f32; (1 << BITS) + 1]> = LazyLock::new(|| {
     let n = 1_u32 << BITS;
-    let inner = (1..n).map(|k| single(quantile(f64::from(k) / f64::from(n))));
-    std::iter::once(0.0).chain(inner).chain([0.0]).collect()
+    let mut quantiles = [0.0; (1 << BITS) + 1];
+    for (k, quantile_at) in (0..n).zip(&mut quantiles).skip(1) {
+        *quantile_at = single(quantile(f64::from(k) / f64::from(n)));
+    }
+    quantiles
 });
 
 /// Standard normal numbers out of random words.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Normal(&'static [f32]);
+pub(crate) struct Normal(&'static [f32; (1 << BITS) + 1]);
 
 impl Normal {
     pub(crate) fn new() -> Self {
@@ -37,6 +40,16 @@ impl Normal {
         let within = ((word << BITS) >> BITS) as f32 / (1_u32 << (32 - BITS)) as f32;
         let (low, high) = (self.0[k], self.0[k + 1]);
         low + (high - low) * within
+    }
+
+    /// Of up to N pairs of words, those of the first and those of the second; 0 where there are no words.
+    pub(crate) fn of_pairs<const N: usize>(self, words: &[u32]) -> [[f32; N]; 2] {
+        let mut numbers = [[0.0; N]; 2];
+        for (k, [one, other]) in words.as_chunks().0.iter().enumerate().take(N) {
+            numbers[0][k] = self.of(*one);
+            numbers[1][k] = self.of(*other);
+        }
+        numbers
     }
 
     /// Normal numbers out of a stream, one after the other.

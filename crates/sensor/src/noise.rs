@@ -86,30 +86,38 @@ impl Noise {
         let row_e = single(self.row_e) * normal.of(words[0]);
         // What dark current takes of the well is no longer there for light.
         let room = (1.0 - dark_e / white_e).max(0.0);
-        let mut patterns = pattern.chunks_exact(2);
-        let pixels = row.iter().zip(change).zip(words[1..].chunks_exact(2));
-        for ((light, change), words) in pixels {
-            let signal_e = light.max(0.0) * white_e;
-            let (unlike_e, offset_e) = match patterns.next() {
-                Some(pattern) => (
-                    signal_e * (prnu * normal.of(pattern[0])).max(-1.0),
-                    dsnu_e * normal.of(pattern[1]),
-                ),
-                None => (0.0, 0.0),
-            };
-            let mean_e = signal_e + unlike_e + dark_e;
-            let root = mean_e.sqrt();
-            let by_chance = normal.of(words[0]);
-            let shot_e = if mean_e < MAX_COUNTED {
-                poisson.of(mean_e, root, words[0], by_chance) - mean_e
-            } else {
-                root * by_chance
-            };
-            let noise_e = unlike_e + shot_e + read_e * normal.of(words[1]) + row_e + offset_e;
-            *change = (light + noise_e / white_e).min(room) - light;
+        let mut words = words[1..].chunks(2 * TOGETHER);
+        let mut patterns = pattern.chunks(2 * TOGETHER);
+        for (light, change) in row.chunks(TOGETHER).zip(change.chunks_mut(TOGETHER)) {
+            let words = words.next().unwrap_or_default();
+            let [by_chance, reading]: [[f32; TOGETHER]; 2] = normal.of_pairs(words);
+            let pattern = patterns.next().unwrap_or_default();
+            let [mut unlike_e, offsets]: [[f32; TOGETHER]; 2] = normal.of_pairs(pattern);
+            let [mut mean_e, mut shot_e] = [[0.0; TOGETHER]; 2];
+            for (k, light) in light.iter().enumerate() {
+                let signal_e = light.max(0.0) * white_e;
+                unlike_e[k] = signal_e * (prnu * unlike_e[k]).max(-1.0);
+                mean_e[k] = signal_e + unlike_e[k] + dark_e;
+                shot_e[k] = mean_e[k].sqrt() * by_chance[k];
+            }
+            for (k, word) in words.iter().step_by(2).enumerate() {
+                let mean_e = mean_e[k];
+                if mean_e < MAX_COUNTED {
+                    let counted = poisson.of(mean_e, mean_e.sqrt(), *word, by_chance[k]);
+                    shot_e[k] = counted - mean_e;
+                }
+            }
+            for (k, (light, change)) in light.iter().zip(change).enumerate() {
+                let read_e = read_e * reading[k];
+                let noise_e = unlike_e[k] + shot_e[k] + read_e + row_e + dsnu_e * offsets[k];
+                *change = (light + noise_e / white_e).min(room) - light;
+            }
         }
     }
 }
+
+/// Pixels that are worked on together.
+const TOGETHER: usize = 32;
 
 /// More dark current than any well holds, electrons.
 const MOST_DARK_E: f64 = 1e12;
