@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use self::run::Run;
-use self::splat::{Finger, SPRAY_LOBES, Splat, wave_sizes};
+use self::splat::{Finger, Splat, wave_sizes};
 use crate::raster::Raster;
 use crate::{Area, Coating, Field, Passage};
 
@@ -49,11 +49,6 @@ const LARGEST: f64 = 3.0;
 /// and the standard deviation of the logarithm of their thickness about that. FIT.
 const THICKER: f64 = 0.4;
 const THICKNESSES: f64 = 0.3;
-
-/// Most drops of spray of a splat, their least radius over its own, and how far they fly from the way that it came, rad. FIT.
-const MOST_SPRAY: f64 = 40.0;
-const SPRAY_OF_SPLAT: f64 = 0.035;
-const SPRAYS_RAD: f64 = 1.0;
 
 /// Splats fly upwards, as wheels throw them, with a standard deviation, rad, and are longer that way. FIT.
 const LEANS_RAD: f64 = 0.5;
@@ -136,30 +131,7 @@ impl Mud {
             let thickness_mm =
                 self.thickness_mm * thicker * libm::exp(THICKNESSES * normal(&mut rng));
             covered += splat.add(&mut thickness, thickness_mm);
-            // Spray, most of it beyond, as it was thrown: many small drops, few larger ones.
-            let many = uniform(&mut rng);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "some drops"
-            )]
-            let n_spray = (MOST_SPRAY * many * many) as u32;
-            for _ in 0..n_spray {
-                let (sin, cos) = libm::sincos(SPRAYS_RAD * normal(&mut rng));
-                let (mut towards, mut from) = ([cos, sin], 1.0);
-                if let Some(finger) = Finger::one_of(&fingers, &mut rng) {
-                    (towards, from) = (finger.towards, finger.to);
-                }
-                let away = from * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
-                let way_mm = splat.on_pane_mm(towards.map(|it| away * it));
-                let at_mm = [0, 1].map(|k| middle_mm[k] + way_mm[k]);
-                let far_mm = libm::hypot(way_mm[0], way_mm[1]);
-                let ahead = (at_mm, way_mm.map(|it| it / far_mm));
-                let radius_mm =
-                    SPRAY_OF_SPLAT * radius_mm / (0.03 + 0.97 * uniform(&mut rng)).sqrt();
-                let size_mm = (radius_mm, thickness.cell_mm);
-                let waves = &waves[..SPRAY_LOBES];
-                let drop = Splat::new(ahead, size_mm, &[], (waves, &mut rng));
+            for drop in splat.spray(&fingers, thickness.cell_mm, (&waves, &mut rng)) {
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
             for run in Run::of_splat((middle_mm, radius_mm), thickness_mm, &mut rng) {

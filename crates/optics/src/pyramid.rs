@@ -45,14 +45,9 @@ impl<const COLORS: usize> Cells<COLORS> {
         }
     }
 
-    /// All cells, in rows.
-    pub(crate) fn all_mut(&mut self) -> &mut [[f32; COLORS]] {
+    /// The light of each cell, in rows, to be changed.
+    pub(crate) fn values_mut(&mut self) -> &mut [[f32; COLORS]] {
         &mut self.light
-    }
-
-    /// Rows of cells, to be changed.
-    pub(crate) fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, [f32; COLORS]> {
-        self.light.chunks_exact_mut(self.size.0)
     }
 
     /// The light of each cell, in rows.
@@ -63,11 +58,6 @@ impl<const COLORS: usize> Cells<COLORS> {
     /// The light of one.
     pub(crate) fn cell(&self, cell: usize) -> [f32; COLORS] {
         self.light[cell]
-    }
-
-    /// The same, to be changed.
-    pub(crate) fn values_mut(&mut self) -> std::slice::IterMut<'_, [f32; COLORS]> {
-        self.light.iter_mut()
     }
 
     /// The light at a place, px, on straight lines between the middles of cells; beyond the frame that of its border.

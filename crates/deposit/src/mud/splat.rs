@@ -18,11 +18,17 @@ const LEAST_OUTLINE: f64 = 0.4;
 /// Cells that are worked out side by side.
 const TOGETHER: usize = 8;
 
+/// Most drops of spray of a splat, their least radius over its own, and how far they fly from the way that it came, rad. FIT.
+const MOST_SPRAY: f64 = 40.0;
+const SPRAY_OF_SPLAT: f64 = 0.035;
+const SPRAYS_RAD: f64 = 1.0;
+
 /// Share of the spray that comes off the ends of fingers. FIT.
 const OFF_FINGERS: f64 = 0.7;
 
-/// The rim of a drop that spreads breaks into fingers, as many as its diameter to the power of ¾: √We ⁴√Re/(4√3)
-/// \[AzizChandra2000\] at one speed. Of a splat of 2 mm: neighbors have grown together. FIT.
+/// Fingers around a splat of 1 mm of radius; others have as many more as the power ¾ of theirs. FIT. The rim of a drop that
+/// spreads breaks into √We ⁴√Re/(4√3) of them \[AzizChandra2000\], at one speed the power ¾ of its own diameter, which is 0.6
+/// of the splat's radius; neighbors grow together.
 const FINGERS: f64 = 8.0;
 
 /// Smaller splats have none, mm of radius. FIT.
@@ -36,7 +42,7 @@ const FINGER_WIDTHS: [f64; 2] = [0.2, 0.5];
 
 /// Waves around the outline of a splat, and of a drop of spray.
 const N_LOBES: usize = 14;
-pub(super) const SPRAY_LOBES: usize = 4;
+const SPRAY_LOBES: usize = 4;
 
 /// Standard deviations of the shares of these waves: 0.16/k^1.1 of that of k times around, from k = 2 on. FIT.
 pub(super) fn wave_sizes() -> [f64; N_LOBES] {
@@ -50,9 +56,9 @@ pub(super) fn wave_sizes() -> [f64; N_LOBES] {
 /// A finger of a splat's rim.
 pub(super) struct Finger {
     /// Ahead, where the splat flew, and aside of that.
-    pub(super) towards: [f64; 2],
+    towards: [f64; 2],
     /// How far it goes from the splat's middle, and half of its width, in radii.
-    pub(super) to: f64,
+    to: f64,
     half: f64,
 }
 
@@ -90,7 +96,7 @@ impl Finger {
     }
 
     /// One from whose end a drop of spray comes, if it comes from one: longer ones have more.
-    pub(super) fn one_of<'a>(all: &'a [Self], rng: &mut ChaCha8Rng) -> Option<&'a Self> {
+    fn one_of<'a>(all: &'a [Self], rng: &mut ChaCha8Rng) -> Option<&'a Self> {
         let at = uniform(rng) / OFF_FINGERS;
         let sum: f64 = all.iter().map(|it| it.to - 1.0).sum();
         let mut rest = at * sum;
@@ -190,13 +196,43 @@ impl Splat {
         }
     }
 
+    /// Its spray, most of it beyond, as it was thrown: many small drops, few larger ones.
+    pub(super) fn spray(
+        &self,
+        fingers: &[Finger],
+        cell_mm: f64,
+        (waves, rng): (&[f64], &mut ChaCha8Rng),
+    ) -> Vec<Self> {
+        let many = uniform(rng);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some drops"
+        )]
+        let n_drops = (MOST_SPRAY * many * many) as u32;
+        let drop = |_| {
+            let (sin, cos) = libm::sincos(SPRAYS_RAD * normal(rng));
+            let finger = Finger::one_of(fingers, rng);
+            let (towards, from) = finger.map_or(([cos, sin], 1.0), |it| (it.towards, it.to));
+            let away = from * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(rng)));
+            let way_mm = self.on_pane_mm(towards.map(|it| away * it));
+            let at_mm = [0, 1].map(|k| self.middle_mm[k] + way_mm[k]);
+            let far_mm = libm::hypot(way_mm[0], way_mm[1]);
+            let ahead = (at_mm, way_mm.map(|it| it / far_mm));
+            let larger = 1.0 / (0.03 + 0.97 * uniform(rng)).sqrt();
+            let size_mm = (SPRAY_OF_SPLAT * self.radius_mm * larger, cell_mm);
+            Self::new(ahead, size_mm, &[], (&waves[..SPRAY_LOBES], rng))
+        };
+        (0..n_drops).map(drop).collect()
+    }
+
     /// Farthest that its outline is from its middle, in radii of the disc that it was.
     fn farthest(&self) -> f64 {
         self.outline.iter().fold(0.0, |most, it| most.max(*it))
     }
 
     /// A way from the middle, ahead and aside, in radii of the disc that it was, on the pane, mm.
-    pub(super) fn on_pane_mm(&self, [ahead, aside]: [f64; 2]) -> [f64; 2] {
+    fn on_pane_mm(&self, [ahead, aside]: [f64; 2]) -> [f64; 2] {
         let [cos, sin] = self.along;
         let ahead_mm = self.radius_mm * self.longer * ahead;
         let aside_mm = self.radius_mm / self.longer * aside;

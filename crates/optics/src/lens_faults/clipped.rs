@@ -96,7 +96,7 @@ pub(super) fn unclip(
     width: usize,
     headroom: f64,
 ) -> Vec<usize> {
-    let bright = bright_pixels(light, n_colors);
+    let bright = pixels_with(light, n_colors, |value| value >= BORDER);
     let of = |at: usize| brightest(&light[at * n_colors..][..n_colors]);
     let n_clipped = bright.iter().filter(|at| of(**at) >= CLIPPED).count();
     if n_clipped == 0 {
@@ -142,17 +142,21 @@ fn brightest(pixel: &[f32]) -> f32 {
     pixel.iter().fold(0.0, |most, value| most.max(*value))
 }
 
-/// The pixels whose brightest color is at least that of a border, in their order.
-fn bright_pixels(light: &[f32], n_colors: usize) -> Vec<usize> {
+/// The pixels of which a color is so bright, in their order.
+pub(super) fn pixels_with(
+    light: &[f32],
+    n_colors: usize,
+    is_bright: impl Fn(f32) -> bool,
+) -> Vec<usize> {
     /// Pixels that are looked at together: most frames are dark but for some.
     const TOGETHER: usize = 32;
     let mut bright = Vec::new();
     let starts = (0..).step_by(TOGETHER);
     for (start, some) in starts.zip(light.chunks(TOGETHER * n_colors)) {
-        let is_any = (some.iter()).fold(false, |any, value| any | (*value >= BORDER));
+        let is_any = (some.iter()).fold(false, |any, value| any | is_bright(*value));
         if is_any {
             let pixels = (start..).zip(some.chunks_exact(n_colors));
-            let pixels = pixels.filter(|(_, pixel)| brightest(pixel) >= BORDER);
+            let pixels = pixels.filter(|(_, pixel)| is_bright(brightest(pixel)));
             bright.extend(pixels.map(|(at, _)| at));
         }
     }

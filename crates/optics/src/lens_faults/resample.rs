@@ -60,11 +60,13 @@ fn resample_of<const COLORS: usize>(
                 vectorized(
                     #[inline(always)]
                     || {
-                        let moves = [0, 1].map(|axis| moves([a, b, c, d], [left, top], axis));
+                        let corners = [a, b, c, d];
+                        let moves_across = moves_of(corners, [left, top], 0);
+                        let moves_down = moves_of(corners, [left, top], 1);
                         for y in top..bottom {
                             let t = part_of_square(y - top);
-                            let across = Taps::between(t, &moves[0]);
-                            let down = Taps::between(t, &moves[1]);
+                            let across = Taps::between(t, &moves_across);
+                            let down = Taps::between(t, &moves_down);
                             let row = &mut rows[y * width + left..y * width + right];
                             if COLORS == 1
                                 && let Some(first) =
@@ -121,7 +123,7 @@ fn moved(place: f64, pixel: usize, behind: f64) -> f32 {
 
 /// How far the places of a square's corners are from these along an axis, px: upper left and right, lower left and right.
 #[inline(always)]
-fn moves(places: [[f64; 2]; 4], first: [usize; 2], axis: usize) -> [f32; 4] {
+fn moves_of(places: [[f64; 2]; 4], first: [usize; 2], axis: usize) -> [f32; 4] {
     let mut moves = [0.0; 4];
     for (k, (to, place)) in moves.iter_mut().zip(places).enumerate() {
         let is_beyond = [k % 2, k / 2][axis];
@@ -168,8 +170,9 @@ fn sample_row(
     }
     let mut sum = [0.0; SQUARE];
     for x in 0..SQUARE {
-        let [a, b, d, e] = [0, 1, 2, 3].map(|i| across[i][x] * columns[i][x]);
-        sum[x] = ((a + b) + (d + e)).max(0.0);
+        let near = across[0][x] * columns[0][x] + across[1][x] * columns[1][x];
+        let far = across[2][x] * columns[2][x] + across[3][x] * columns[3][x];
+        sum[x] = (near + far).max(0.0);
     }
     sum
 }

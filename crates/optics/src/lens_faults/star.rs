@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Optic;
+use super::clipped::pixels_with;
 use crate::environment::Rgb;
 use crate::pyramid::Cells;
 
@@ -72,8 +73,8 @@ impl Star {
 
     /// What is brighter than white gives its share to its star; of the rest nobody sees it.
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
-        let lamps = Self::lamps::<COLORS>(light);
-        if lamps.is_empty() {
+        let lit = pixels_with(light, COLORS, |value| value > 1.0);
+        if lit.is_empty() {
             return;
         }
         let [from, to] = [FROM_PX, TO_PX].map(|px| self.beyond(px, optic));
@@ -85,6 +86,7 @@ impl Star {
         let shares: [f32; COLORS] =
             std::array::from_fn(|k| shares[if COLORS == 1 { 1 } else { k }]);
         let pixels = light.as_chunks_mut::<COLORS>().0;
+        let lamps: Vec<_> = lit.into_iter().map(|at| (at, pixels[at])).collect();
         for (at, lamp) in &lamps {
             for k in 0..COLORS {
                 pixels[*at][k] -= shares[k] * lamp[k];
@@ -100,7 +102,7 @@ impl Star {
         }
         let mut cells = Cells::<COLORS>::none(optic.size, 1);
         for (at, lamp) in lamps {
-            cells.all_mut()[at] = lamp;
+            cells.values_mut()[at] = lamp;
         }
         let is_lit = |light: &[f32; COLORS]| light.iter().any(|value| *value > 0.0);
         let n_lit = |cells: &Cells<COLORS>| cells.values().filter(|it| is_lit(it)).count();
@@ -111,26 +113,9 @@ impl Star {
         let lamps = cells.values().copied().enumerate();
         let lamps = (lamps.filter(|(_, lamp)| is_lit(lamp))).map(|(at, lamp)| (at, sends(lamp)));
         let width = cells.size.0;
-        add_spikes(star.all_mut(), width, lamps, (&spikes, cells.per_cell));
+        add_spikes(star.values_mut(), width, lamps, (&spikes, cells.per_cell));
         // A cell holds the mean of its pixels, so that light stays what it is.
         star.add_to(light, optic.size.0);
-    }
-
-    /// The pixels that are brighter than white, with their light.
-    fn lamps<const COLORS: usize>(light: &[f32]) -> Vec<(usize, [f32; COLORS])> {
-        /// Pixels that are looked at together: most are darker.
-        const TOGETHER: usize = 32;
-        let pixels = light.as_chunks::<COLORS>().0;
-        let mut lamps = Vec::new();
-        for (some, first) in pixels.chunks(TOGETHER).zip((0..).step_by(TOGETHER)) {
-            let values = some.as_flattened().iter();
-            if values.fold(false, |any, value| any | (*value > 1.0)) {
-                let is_lamp = |pixel: &[f32; COLORS]| pixel.iter().any(|value| *value > 1.0);
-                let some = (first..).zip(some.iter().copied());
-                lamps.extend(some.filter(|(_, pixel)| is_lamp(pixel)));
-            }
-        }
-        lamps
     }
 }
 

@@ -363,7 +363,7 @@ impl LitScreen<'_> {
         let mut spread = (spread.each_ref())
             .map(|cells| cells.as_ref().map(|cells| cells.rows(columns, per_cell)));
         let mut shine = self.shine.as_ref().map(|map| map.rows(columns, per_cell));
-        for (y, row) in beside.rows_mut().enumerate() {
+        for (y, row) in beside.values_mut().chunks_exact_mut(columns).enumerate() {
             let shares = shares.at(y).as_chunks::<3>().0;
             for (k, rows) in spread.iter_mut().enumerate() {
                 let Some(rows) = rows else { continue };

@@ -82,14 +82,14 @@ impl Streaks {
         };
         let mut streaks = rest.clone();
         let mut lamps = Vec::new();
-        for (cell, light) in rest.values_mut().enumerate() {
+        for (cell, light) in rest.values_mut().iter_mut().enumerate() {
             let more = light.map(|value| (value - LAMP).max(0.0));
             if more.iter().any(|value| *value > 0.0) {
                 lamps.push((cell, more.map(|value| part_of(cell) * value)));
                 *light = light.map(|value| value.min(LAMP));
             }
         }
-        streaks.values_mut().for_each(|it| *it = [0.0; COLORS]);
+        streaks.values_mut().fill([0.0; COLORS]);
         for (cell, more) in lamps {
             self.draw(&mut streaks, cell, more);
         }

@@ -64,7 +64,7 @@ impl Turned {
     fn by_pixels<const COLORS: usize>(&self, light: &mut [f32], (width, height): (usize, usize)) {
         let n = width * COLORS;
         let [beside, away] = [0, 1].map(|k| whole(self.most_px[k]).0.unsigned_abs() + 2);
-        let mut before = Before::<COLORS>::of(light, (width, height), [beside, away]);
+        let mut before = RowsBefore::<COLORS>::of(light, (width, height), [beside, away]);
         let mut out = vec![0.0; n + TOGETHER];
         let mut moves = self.moved.rows(width, 1);
         for y in 0..height {
@@ -128,13 +128,13 @@ impl Turned {
 }
 
 /// The rows of a frame about one as they were before any was changed, mirrored beyond its border.
-struct Before<const COLORS: usize> {
+struct RowsBefore<const COLORS: usize> {
     rows: Vec<Vec<f32>>,
     size: (usize, usize),
     beside: usize,
 }
 
-impl<const COLORS: usize> Before<COLORS> {
+impl<const COLORS: usize> RowsBefore<COLORS> {
     /// About the row before the first: so many rows to both sides of it, with so many pixels beside them.
     fn of(light: &[f32], size: (usize, usize), [beside, away]: [usize; 2]) -> Self {
         let row = vec![0.0; (size.0 + 2 * beside) * COLORS + TOGETHER];
