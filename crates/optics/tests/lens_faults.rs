@@ -552,6 +552,7 @@ fn what_is_clipped_amid_light_is_no_lamp() {
         let mut light: Vec<f32> = disc(12.0).iter().map(|it| it.max(around)).collect();
         let brighter = lens.unclip(&mut light, 1, 400);
         let most = light.iter().fold(0.0_f32, |most, value| most.max(*value));
+        let brighter: Vec<usize> = brighter.into_iter().flatten().collect();
         let above: Vec<usize> = (0..light.len()).filter(|at| light[*at] > 1.0).collect();
         assert_eq!(brighter, above, "these and no others, around {around}");
         most

@@ -7,6 +7,10 @@
 //! of clouds and snow, is no lamp at all. A region is brightest in its middle: what is around that is light that a lens has
 //! spread already.
 
+use std::ops::Range;
+
+use crate::pyramid::vectorized;
+
 /// Light from which pixels beside clipped ones belong to their region.
 const BORDER: f32 = 0.9;
 
@@ -37,11 +41,9 @@ const PUREST: f32 = 1.5;
 const SIGNAL: f32 = 0.02;
 
 /// A region of a frame.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Region {
-    /// The region that it is part of; itself where that is all.
-    of: usize,
-    n_pixels: u32,
+    n_pixels: usize,
     /// Farthest from its border, in steps.
     depth: u32,
     is_clipped: bool,
@@ -88,252 +90,337 @@ fn places_around(n_pixels: usize, width: usize) -> [[isize; 2]; 8] {
 const STEPS: [u32; 2] = [3, 4];
 
 /// Makes what is clipped in a frame of 1 or 3 colors as bright as it is taken to have been with a headroom; returns the
-/// pixels that it makes brighter, in their order. Of a pixel with a clipped color the others are brighter, too, the more
-/// so the nearer they are to it: a lamp that is nearly white stays so. A red one stays red, and is not so bright.
+/// pixels that it makes brighter, those of a row that are side by side together, in their order. Of a pixel with a clipped
+/// color the others are brighter, too, the more so the nearer they are to it: a lamp that is nearly white stays so. A red
+/// one stays red, and is not so bright.
 pub(super) fn unclip(
     light: &mut [f32],
     n_colors: usize,
     width: usize,
     headroom: f64,
-) -> Vec<usize> {
-    let bright = pixels_with(light, n_colors, |value| value >= BORDER);
-    let of = |at: usize| brightest(&light[at * n_colors..][..n_colors]);
-    let n_clipped = bright.iter().filter(|at| of(**at) >= CLIPPED).count();
+) -> Vec<Range<usize>> {
+    match n_colors {
+        1 => unclip_of::<1>(light.as_chunks_mut().0, width, headroom),
+        _ => unclip_of::<3>(light.as_chunks_mut().0, width, headroom),
+    }
+}
+
+fn unclip_of<const COLORS: usize>(
+    light: &mut [[f32; COLORS]],
+    width: usize,
+    headroom: f64,
+) -> Vec<Range<usize>> {
+    let bright = Bright {
+        runs: runs_with(light, width, |value| value >= BORDER),
+        size: (width, light.len() / width),
+    };
+    let clipped = (bright.runs.iter().flat_map(|run| &light[run.clone()]))
+        .filter(|pixel| brightest(pixel) >= CLIPPED);
+    let n_clipped = clipped.count();
     if n_clipped == 0 {
         return Vec::new();
     }
-    let n_pixels = light.len() / n_colors;
-    let depths = depths(&bright, n_pixels, width);
-    let (labels, regions) = regions(&bright, &depths, (n_pixels, width), of);
+    let depths = bright.depths();
+    let (regions, of_runs) = bright.regions(&depths, light);
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-    let (n_px, n_clipped) = (n_pixels as f64, n_clipped as f64);
+    let (n_px, n_clipped) = (light.len() as f64, n_clipped as f64);
     let lamp_px = (LAMP * n_px).max(LAMP_PX);
     let by_day = libm::pow((NIGHT * n_px / n_clipped).min(1.0), BY_DAY);
     // Deeper than three lamps' radii all is alike: a sky has no ridge.
     let radii_px = 3.0 * (lamp_px / std::f64::consts::PI).sqrt();
     #[expect(clippy::cast_possible_truncation, reason = "some px")]
     let deepest = (f64::from(STEPS[0]) * radii_px) as f32;
+    let gain_of = |region: &Region| {
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let share = lamp_px / region.n_pixels as f64;
+        let share = libm::pow(share.min(1.0 / share), FALLS);
+        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+        let gain = ((headroom - 1.0) * by_day * share) as f32;
+        gain * region.stands_out()
+    };
+    // None where nothing is clipped.
     let gains: Vec<f32> = (regions.iter())
-        .map(|region| {
-            let share = lamp_px / f64::from(region.n_pixels);
-            let share = libm::pow(share.min(1.0 / share), FALLS);
-            #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-            let gain = ((headroom - 1.0) * by_day * share) as f32;
-            gain * region.stands_out()
-        })
+        .map(|region| if region.is_clipped { gain_of(region) } else { 0.0 })
         .collect();
-    let mut brighter = bright;
-    brighter.retain(|at| {
-        let region = labels[*at] as usize - 1;
-        if !regions[region].is_clipped || gains[region] <= 0.0 {
+    let mut depths = &*depths;
+    let mut brighter = bright.runs;
+    let mut of_runs = of_runs.into_iter();
+    brighter.retain(|run| {
+        let (of_run, rest) = depths.split_at(run.len());
+        depths = rest;
+        let region = of_runs.next().unwrap_or(0);
+        if gains[region] <= 0.0 {
             return false;
         }
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let part = (depths[*at] as f32 / (regions[region].depth as f32).min(deepest)).min(1.0);
-        let pixel = &mut light[at * n_colors..][..n_colors];
-        brighten(pixel, gains[region] * part * part);
+        let most = (regions[region].depth as f32).min(deepest);
+        brighten(&mut light[run.clone()], (of_run, most), gains[region]);
         true
     });
     brighter
 }
 
 /// The light of a pixel's brightest color.
-fn brightest(pixel: &[f32]) -> f32 {
+#[inline(always)]
+fn brightest<const COLORS: usize>(pixel: &[f32; COLORS]) -> f32 {
     pixel.iter().fold(0.0, |most, value| most.max(*value))
 }
 
-/// The pixels of which a color is so bright, in their order.
-pub(super) fn pixels_with(
-    light: &[f32],
-    n_colors: usize,
+/// The pixels of which a color is so bright, in their order; those of a row that are side by side are together.
+pub(super) fn runs_with<const COLORS: usize>(
+    light: &[[f32; COLORS]],
+    width: usize,
     is_bright: impl Fn(f32) -> bool,
-) -> Vec<usize> {
+) -> Vec<Range<usize>> {
     /// Pixels that are looked at together: most frames are dark but for some.
     const TOGETHER: usize = 32;
-    let mut bright = Vec::new();
-    let starts = (0..).step_by(TOGETHER);
-    for (start, some) in starts.zip(light.chunks(TOGETHER * n_colors)) {
-        let is_any = (some.iter()).fold(false, |any, value| any | is_bright(*value));
-        if is_any {
-            let pixels = (start..).zip(some.chunks_exact(n_colors));
-            let pixels = pixels.filter(|(_, pixel)| is_bright(brightest(pixel)));
-            bright.extend(pixels.map(|(at, _)| at));
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for (y, row) in light.chunks_exact(width).enumerate() {
+        let mut start = y * width;
+        // Where the last run may go on.
+        let mut end = usize::MAX;
+        for some in row.chunks(TOGETHER) {
+            let values = some.as_flattened().iter();
+            let is_any = values.fold(false, |any, value| any | is_bright(*value));
+            if is_any {
+                for (at, pixel) in (start..).zip(some) {
+                    if !pixel.iter().any(|value| is_bright(*value)) {
+                        continue;
+                    }
+                    match runs.last_mut() {
+                        Some(run) if at == end => run.end += 1,
+                        _ => runs.push(at..at + 1),
+                    }
+                    end = at + 1;
+                }
+            }
+            start += some.len();
         }
     }
-    bright
+    runs
 }
 
-/// Makes a pixel brighter by a factor of at most 1 and so much more.
-fn brighten(pixel: &mut [f32], more: f32) {
-    let brightest = brightest(pixel).max(f32::MIN_POSITIVE);
-    for value in &mut *pixel {
-        let near = (*value / brightest).max(0.0);
-        *value *= 1.0 + more * near * near;
+/// Makes the pixels of a run brighter: by a factor of at most 1 and so much more where they are as deep as that.
+fn brighten<const COLORS: usize>(
+    pixels: &mut [[f32; COLORS]],
+    (depths, deepest): (&[u32], f32),
+    most: f32,
+) {
+    /// Pixels that are looked at together.
+    const TOGETHER: usize = 8;
+    vectorized(
+        #[inline(always)]
+        || {
+            let depths = depths.chunks(TOGETHER);
+            for (pixels, depths) in pixels.chunks_mut(TOGETHER).zip(depths) {
+                let mut colors = [[0.0; TOGETHER]; COLORS];
+                let mut more = [0.0; TOGETHER];
+                for (k, (pixel, depth)) in pixels.iter().zip(depths).enumerate() {
+                    for c in 0..COLORS {
+                        colors[c][k] = pixel[c];
+                    }
+                    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                    let part = (*depth as f32 / deepest).min(1.0);
+                    more[k] = most * part * part;
+                }
+                brighten_side_by_side(&mut colors, &more);
+                for (k, pixel) in pixels.iter_mut().enumerate() {
+                    for c in 0..COLORS {
+                        pixel[c] = colors[c][k];
+                    }
+                }
+            }
+        },
+    );
+}
+
+/// Makes pixels, color by color, brighter by a factor of at most 1 and so much more.
+#[inline(always)]
+fn brighten_side_by_side<const N: usize, const COLORS: usize>(
+    colors: &mut [[f32; N]; COLORS],
+    more: &[f32; N],
+) {
+    let mut brightest = [f32::MIN_POSITIVE; N];
+    for color in &*colors {
+        for k in 0..N {
+            brightest[k] = brightest[k].max(color[k]);
+        }
     }
-    if let [red, green, blue] = pixel {
-        let [one, two, three] = [*red, *green, *blue];
+    for color in &mut *colors {
+        for k in 0..N {
+            let near = (color[k] / brightest[k]).max(0.0);
+            color[k] *= 1.0 + more[k] * near * near;
+        }
+    }
+    let Some([red, green, blue]) = colors.first_chunk_mut() else {
+        return;
+    };
+    for k in 0..N {
+        let [one, two, three] = [red[k], green[k], blue[k]];
         let second = one.max(two).min(one.min(two).max(three));
         // Of a lamp of one color its own light says little: it is a signal's.
-        let most = (PUREST * second).max(1.0 + SIGNAL * more);
-        for value in [red, green, blue] {
-            *value = value.min(most);
-        }
+        let most = (PUREST * second).max(1.0 + SIGNAL * more[k]);
+        [red[k], green[k], blue[k]] = [one.min(most), two.min(most), three.min(most)];
     }
 }
 
-/// How far each bright pixel is from the next that is not, in steps, 0 where none is bright; beyond the frame it goes on.
-fn depths(bright: &[usize], n_pixels: usize, width: usize) -> Vec<u32> {
-    // Farther than any, and far from the largest number.
-    const FAR: u32 = 1 << 28;
-    let mut depths = vec![0; n_pixels];
-    for at in bright {
-        depths[*at] = FAR;
-    }
-    for at in bright {
-        lessen(&mut depths, *at, width, -1);
-    }
-    for at in bright.iter().rev() {
-        lessen(&mut depths, *at, width, 1);
-    }
-    depths
+/// Bright pixels of a frame, those of a row that are side by side together, in their order.
+struct Bright {
+    runs: Vec<Range<usize>>,
+    /// Of the frame, px.
+    size: (usize, usize),
 }
 
-/// Lessens the depth of a pixel by those of its neighbors that a way through the frame, on or back, comes to before it:
-/// one beside it and three of a row.
-fn lessen(depths: &mut [u32], at: usize, width: usize, back: isize) {
-    let [side, corner] = STEPS;
-    let x = at % width;
-    let (has_left, has_right) = (x > 0, x + 1 < width);
-    let (has_back, has_on) = if back < 0 {
-        (has_left, has_right)
-    } else {
-        (has_right, has_left)
-    };
-    let of = |at: usize, by: isize| depths[at.wrapping_add_signed(by)];
-    let mut least = depths[at];
-    if has_back {
-        least = least.min(of(at, back) + side);
-    }
-    let row = at.checked_add_signed(back * width.cast_signed());
-    if let Some(row) = row.filter(|row| *row < depths.len()) {
-        least = least.min(of(row, 0) + side);
-        if has_back {
-            least = least.min(of(row, back) + corner);
-        }
-        if has_on {
-            least = least.min(of(row, -back) + corner);
-        }
-    }
-    depths[at] = least;
-}
+/// Farther than any pixel is from another, in steps, and far from the largest number.
+const FAR: u32 = 1 << 28;
 
-/// The region of each pixel and 1, 0 where there is none, and all regions: those that are part of another have its numbers.
-fn regions(
-    bright: &[usize],
-    depths: &[u32],
-    (n_pixels, width): (usize, usize),
-    brightest: impl Fn(usize) -> f32,
-) -> (Vec<u32>, Vec<Region>) {
-    let mut labels = vec![0_u32; n_pixels];
-    let mut regions: Vec<Region> = Vec::new();
-    for at in bright.iter().copied() {
-        let x = at % width;
-        let region_at = |at: usize| (labels[at] as usize).checked_sub(1);
-        let left = if x > 0 { region_at(at - 1) } else { None };
-        let above = if at >= width {
-            region_at(at - width)
-        } else {
-            None
+impl Bright {
+    /// How far each bright pixel is from the next that is not, in steps; beyond the frame it goes on.
+    fn depths(&self) -> Vec<u32> {
+        let n = self.runs.iter().map(Range::len).sum();
+        let mut depths = vec![FAR; n];
+        self.lessen(&mut depths);
+        // And from the other end.
+        let n_pixels = self.size.0 * self.size.1;
+        let mirrored = |run: &Range<usize>| n_pixels - run.end..n_pixels - run.start;
+        let mirrored = Self {
+            runs: self.runs.iter().rev().map(mirrored).collect(),
+            ..*self
         };
-        let region = match (left, above) {
-            (Some(one), Some(other)) => join(&mut regions, one, other),
-            (Some(one), None) | (None, Some(one)) => whole(&mut regions, one),
-            (None, None) => {
-                regions.push(Region {
-                    of: regions.len(),
-                    n_pixels: 0,
-                    depth: 0,
-                    is_clipped: false,
-                    around: (0.0, 0),
-                });
-                regions.len() - 1
+        depths.reverse();
+        mirrored.lessen(&mut depths);
+        depths.reverse();
+        depths
+    }
+
+    /// Lessens depths by those of neighbors that come before: one beside a pixel and three above it.
+    fn lessen(&self, depths: &mut [u32]) {
+        let [side, corner] = STEPS;
+        let (width, height) = self.size;
+        // Of a row, with a place beyond either end.
+        let mut above = vec![FAR; width + 2];
+        let mut here = above.clone();
+        let (mut runs, mut depths) = (self.runs.iter().peekable(), depths);
+        for start in (0..height).map(|y| y * width) {
+            here[1..=width].fill(0);
+            while let Some(run) = runs.next_if(|run| run.start < start + width) {
+                let (of_run, rest) = depths.split_at_mut(run.len());
+                depths = rest;
+                let first = run.start - start;
+                let mut beside = here[first];
+                let above = above[first..].windows(3);
+                let here = &mut here[first + 1..];
+                for ((depth, here), above) in of_run.iter_mut().zip(here).zip(above) {
+                    let of_above = (above[1] + side).min(above[0].min(above[2]) + corner);
+                    beside = (beside + side).min(of_above).min(*depth);
+                    *depth = beside;
+                    *here = beside;
+                }
             }
-        };
-        labels[at] = u32::try_from(region + 1).unwrap_or(u32::MAX);
-        let region = &mut regions[region];
-        region.n_pixels += 1;
-        region.depth = region.depth.max(depths[at]);
-        region.is_clipped |= brightest(at) >= CLIPPED;
-    }
-    let whole: Vec<usize> = (0..regions.len()).map(|k| whole(&mut regions, k)).collect();
-    look_around(
-        (bright, depths, &labels),
-        width,
-        &whole,
-        &mut regions,
-        brightest,
-    );
-    let regions = whole.iter().map(|of| regions[*of]).collect();
-    (labels, regions)
-}
-
-/// Adds up the light around regions that are clipped: of places around their border that are not their own.
-fn look_around(
-    (bright, depths, labels): (&[usize], &[u32], &[u32]),
-    width: usize,
-    whole: &[usize],
-    regions: &mut [Region],
-    brightest: impl Fn(usize) -> f32,
-) {
-    let around = places_around(labels.len(), width);
-    let region_at = |at: usize| {
-        let region = (labels[at] as usize).checked_sub(1)?;
-        Some(whole[region])
-    };
-    for at in bright.iter().copied() {
-        let Some(own) = region_at(at).filter(|own| regions[*own].is_clipped) else {
-            continue;
-        };
-        if depths[at] > STEPS[0] {
-            continue;
+            std::mem::swap(&mut above, &mut here);
         }
-        let x = at % width;
-        for [right, down] in around {
-            let is_inside = x
-                .checked_add_signed(right)
-                .is_some_and(|there| there < width);
-            let there = at.checked_add_signed(down * width.cast_signed() + right);
-            let there = there.filter(|there| is_inside && *there < labels.len());
-            if let Some(there) = there.filter(|there| region_at(*there) != Some(own)) {
-                let region = &mut regions[own];
-                region.around.0 += brightest(there);
-                region.around.1 += 1;
+    }
+
+    /// The regions, and that of each run.
+    fn regions<const COLORS: usize>(
+        &self,
+        depths: &[u32],
+        light: &[[f32; COLORS]],
+    ) -> (Vec<Region>, Vec<usize>) {
+        let of_runs = self.joined();
+        let mut regions = vec![Region::default(); self.runs.len()];
+        let mut rest = depths;
+        for (run, of) in self.runs.iter().zip(&of_runs) {
+            let (of_run, later) = rest.split_at(run.len());
+            rest = later;
+            let region = &mut regions[*of];
+            region.n_pixels += run.len();
+            region.depth = of_run.iter().fold(region.depth, |a, b| a.max(*b));
+            let mut pixels = light[run.clone()].iter();
+            region.is_clipped |= pixels.any(|pixel| brightest(pixel) >= CLIPPED);
+        }
+        self.look_around((depths, light), &of_runs, &mut regions);
+        (regions, of_runs)
+    }
+
+    /// The first run of the region of each: that of runs that touch above or below.
+    fn joined(&self) -> Vec<usize> {
+        let width = self.size.0;
+        let mut of: Vec<usize> = (0..self.runs.len()).collect();
+        let mut above = 0;
+        for (k, run) in self.runs.iter().enumerate() {
+            while self.runs[above].end + width <= run.start {
+                above += 1;
+            }
+            let touching = (above..k).take_while(|it| self.runs[*it].start + width < run.end);
+            for other in touching {
+                let ends = [other, k].map(|it| whole(&mut of, it));
+                of[ends[0].max(ends[1])] = ends[0].min(ends[1]);
             }
         }
+        (0..of.len()).map(|k| whole(&mut of, k)).collect()
+    }
+
+    /// Adds up the light around regions that are clipped: of places around their border that are not their own.
+    fn look_around<const COLORS: usize>(
+        &self,
+        (depths, light): (&[u32], &[[f32; COLORS]]),
+        of_runs: &[usize],
+        regions: &mut [Region],
+    ) {
+        let (width, height) = self.size;
+        let around = places_around(light.len(), width);
+        // The first run of each row.
+        let rows: Vec<usize> = (0..=height)
+            .scan(0, |first, y| {
+                let runs = self.runs[*first..].iter();
+                *first += runs.take_while(|run| run.start < y * width).count();
+                Some(*first)
+            })
+            .collect();
+        let region_at = |at: usize, y: usize| {
+            let runs = &self.runs[rows[y]..rows[y + 1]];
+            let run = rows[y] + runs.partition_point(|run| run.end <= at);
+            of_runs[run]
+        };
+        let mut rest = depths;
+        for (y, row) in rows.windows(2).enumerate() {
+            for (run, own) in self.runs[row[0]..row[1]].iter().zip(&of_runs[row[0]..]) {
+                let (of_run, later) = rest.split_at(run.len());
+                rest = later;
+                if !regions[*own].is_clipped {
+                    continue;
+                }
+                let at_border = run.clone().zip(of_run).filter(|(_, it)| **it <= STEPS[0]);
+                for (at, _) in at_border {
+                    for [right, down] in around {
+                        let column = (at - y * width).checked_add_signed(right);
+                        let row = y.checked_add_signed(down);
+                        let (Some(column), Some(row)) = (column, row) else {
+                            continue;
+                        };
+                        if column >= width || row >= height {
+                            continue;
+                        }
+                        let there = row * width + column;
+                        let light = brightest(&light[there]);
+                        if light < BORDER || region_at(there, row) != *own {
+                            let around = &mut regions[*own].around;
+                            around.0 += light;
+                            around.1 += 1;
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 
-/// The region that one is part of in the end.
-fn whole(regions: &mut [Region], mut region: usize) -> usize {
-    while regions[region].of != region {
-        let next = regions[region].of;
-        regions[region].of = regions[next].of;
-        region = next;
+/// The first run of the region that one is part of in the end.
+fn whole(of: &mut [usize], mut run: usize) -> usize {
+    while of[run] != run {
+        of[run] = of[of[run]];
+        run = of[run];
     }
-    region
-}
-
-/// Makes one region of two.
-fn join(regions: &mut [Region], one: usize, other: usize) -> usize {
-    let (one, other) = (whole(regions, one), whole(regions, other));
-    let (first, second) = (one.min(other), one.max(other));
-    if first != second {
-        let joined = regions[second];
-        regions[second].of = first;
-        let region = &mut regions[first];
-        region.n_pixels += joined.n_pixels;
-        region.depth = region.depth.max(joined.depth);
-        region.is_clipped |= joined.is_clipped;
-    }
-    first
+    run
 }

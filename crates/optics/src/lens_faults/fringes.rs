@@ -30,37 +30,37 @@ impl Fringes {
         if n_colors != 3 {
             return;
         }
-        for (color, sign) in [(0, 1.0), (2, -1.0)] {
-            let mut plane: Vec<f32> = light.iter().skip(color).step_by(3).copied().collect();
-            if self.lateral_px.abs() > 0.0 {
-                // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
-                let corner_px = optic.half_diagonal_px();
-                let k = 0.5 * sign * self.corner_px(optic) / corner_px;
-                let [middle_x, middle_y] = optic.middle();
-                let per_px2 = 1.0 / (corner_px * corner_px);
-                let from = |u: f64, v: f64| {
-                    let [x, y] = [u - middle_x, v - middle_y];
-                    let shrunk = shrunk(per_px2 * (x * x + y * y), k);
-                    Some([middle_x + shrunk * x, middle_y + shrunk * y])
-                };
-                plane = resample(
-                    &plane,
-                    Channel {
-                        n: 1,
-                        size: optic.size,
-                    },
-                    from,
-                );
-            }
-            if self.axial_m.abs() > 0.0 {
-                let shift = Defocus {
-                    sensor_shift_m: -sign * self.axial_m,
-                };
-                shift.over(&mut plane, 1, optic);
-            }
-            for (to, value) in light.iter_mut().skip(color).step_by(3).zip(plane) {
-                *to = value;
-            }
+        let pixels = light.as_chunks_mut::<3>().0;
+        let mut red: Vec<f32> = pixels.iter().map(|[red, _, _]| *red).collect();
+        let mut blue: Vec<f32> = pixels.iter().map(|[_, _, blue]| *blue).collect();
+        self.over_plane(&mut red, 1.0, optic);
+        self.over_plane(&mut blue, -1.0, optic);
+        for (pixel, (red, blue)) in pixels.iter_mut().zip(red.iter().zip(&blue)) {
+            [pixel[0], pixel[2]] = [*red, *blue];
+        }
+    }
+
+    /// A color by itself: of red with a sign of 1, of blue with -1.
+    fn over_plane(&self, plane: &mut Vec<f32>, sign: f64, optic: &Optic) {
+        if self.lateral_px.abs() > 0.0 {
+            // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
+            let corner_px = optic.half_diagonal_px();
+            let k = 0.5 * sign * self.corner_px(optic) / corner_px;
+            let [middle_x, middle_y] = optic.middle();
+            let per_px2 = 1.0 / (corner_px * corner_px);
+            let from = |u: f64, v: f64| {
+                let [x, y] = [u - middle_x, v - middle_y];
+                let shrunk = shrunk(per_px2 * (x * x + y * y), k);
+                Some([middle_x + shrunk * x, middle_y + shrunk * y])
+            };
+            let size = optic.size;
+            *plane = resample(plane, Channel { n: 1, size }, from);
+        }
+        if self.axial_m.abs() > 0.0 {
+            let shift = Defocus {
+                sensor_shift_m: -sign * self.axial_m,
+            };
+            shift.over(plane, 1, optic);
         }
     }
 }

@@ -17,6 +17,7 @@ mod shake;
 mod star;
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use image::GrayImage;
 use starbreak_seed::Seed;
@@ -228,9 +229,9 @@ impl LensFaults {
     /// Makes what is clipped in a frame of linear light of a width, px, of 1 or 3 colors, as bright as it may
     /// have been, before anything spreads it: small lamps by the headroom, in their middle, and larger ones less, for a camera
     /// that saw a sky so bright would have exposed less. A lamp that is nearly white stays so, and a red one red. Returns
-    /// the pixels that it makes brighter, in their order.
-    pub fn unclip(&self, light: &mut [f32], n_colors: usize, width: usize) -> Vec<usize> {
-        if self.headroom > 1.0 {
+    /// the pixels that it makes brighter, in their order: those of a row that are side by side together.
+    pub fn unclip(&self, light: &mut [f32], n_colors: usize, width: usize) -> Vec<Range<usize>> {
+        if self.headroom > 1.0 && !light.is_empty() {
             return clipped::unclip(light, n_colors, width, self.headroom);
         }
         Vec::new()

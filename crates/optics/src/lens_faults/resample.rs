@@ -140,14 +140,15 @@ fn first_of_all(
     [left, y]: [usize; 2],
     (width, height): (usize, usize),
 ) -> Option<usize> {
-    let [mut is_other, first, top] = [0, across.first[0], down.first[0]];
-    for x in 0..SQUARE {
-        is_other |= (across.first[x] ^ first) | (down.first[x] ^ top);
+    // Along a row moves only grow or only fall, so that the outermost tell of all between.
+    let is_one = |taps: &Taps<SQUARE>| taps.first[0] == taps.first[SQUARE - 1];
+    if !(is_one(across) && is_one(down)) {
+        return None;
     }
-    let left = left.checked_add_signed(first as isize)?;
-    let top = y.checked_add_signed(top as isize)?;
+    let left = left.checked_add_signed(across.first[0] as isize)?;
+    let top = y.checked_add_signed(down.first[0] as isize)?;
     let is_inside = left + SQUARE + 3 <= width && top + 4 <= height;
-    (is_other == 0 && is_inside).then_some(top * width + left)
+    is_inside.then_some(top * width + left)
 }
 
 /// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`].

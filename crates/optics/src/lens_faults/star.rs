@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Optic;
-use super::clipped::pixels_with;
+use super::clipped::runs_with;
 use crate::environment::Rgb;
 use crate::pyramid::Cells;
 
@@ -73,7 +73,8 @@ impl Star {
 
     /// What is brighter than white gives its share to its star; of the rest nobody sees it.
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
-        let lit = pixels_with(light, COLORS, |value| value > 1.0);
+        let pixels = light.as_chunks_mut::<COLORS>().0;
+        let lit = runs_with(pixels, optic.size.0, |value| value > 1.0);
         if lit.is_empty() {
             return;
         }
@@ -85,8 +86,8 @@ impl Star {
         });
         let shares: [f32; COLORS] =
             std::array::from_fn(|k| shares[if COLORS == 1 { 1 } else { k }]);
-        let pixels = light.as_chunks_mut::<COLORS>().0;
-        let lamps: Vec<_> = lit.into_iter().map(|at| (at, pixels[at])).collect();
+        let lit = lit.into_iter().flatten();
+        let lamps: Vec<_> = lit.map(|at| (at, pixels[at])).collect();
         for (at, lamp) in &lamps {
             for k in 0..COLORS {
                 pixels[*at][k] -= shares[k] * lamp[k];

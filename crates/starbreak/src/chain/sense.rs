@@ -1,5 +1,6 @@
 //! What a camera with a fault makes of an image.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
@@ -322,8 +323,9 @@ fn change_light<S: Sample>(
 /// Pixels that are taken to have been brighter than their codes say, with that light.
 #[derive(Default)]
 struct Unclipped {
-    pixels: Vec<usize>,
-    /// With the colors of each side by side.
+    /// Those side by side together.
+    runs: Vec<Range<usize>>,
+    /// Of one pixel after the other, with the colors of each side by side.
     light: Vec<f32>,
     /// How much of it at least is changed: what is scattered away, whatever comes instead.
     scattered: f32,
@@ -331,33 +333,41 @@ struct Unclipped {
 
 impl Unclipped {
     /// Of pixels of a frame's light of so many colors, of which such a share is scattered.
-    fn of(pixels: Vec<usize>, (light, n_colors): (&[f32], usize), scattered: f32) -> Self {
-        let colors = |at: &usize| &light[at * n_colors..][..n_colors];
+    fn of(runs: Vec<Range<usize>>, (light, n_colors): (&[f32], usize), scattered: f32) -> Self {
         Self {
-            light: pixels.iter().flat_map(colors).copied().collect(),
-            pixels,
+            light: of_runs(&runs, light, n_colors).concat(),
+            runs,
             scattered,
         }
     }
 
-    /// The codes of these pixels after all that their light met, from those before it.
+    /// The codes of these pixels after all that their light met, from those before it, their colors side by side.
     fn codes<S: Sample>(
         &self,
         samples: &[S],
         after: &[f32],
         (n_channels, n_colors): (usize, usize),
     ) -> Vec<S> {
+        let pixels = of_runs(&self.runs, samples, n_channels);
+        let pixels = pixels.iter().flat_map(|run| run.chunks_exact(n_channels));
         let mut codes = Vec::with_capacity(self.light.len());
-        for (at, before) in self.pixels.iter().zip(self.light.chunks_exact(n_colors)) {
-            let was = &samples[at * n_channels..][..n_colors];
-            let after = &after[at * n_colors..][..n_colors];
-            for (was, (before, after)) in was.iter().zip(before.iter().zip(after)) {
-                let light = clipped_again(was.light(), [*before, *after], self.scattered);
-                codes.push(S::of_light(light));
-            }
+        for pixel in pixels {
+            codes.extend_from_slice(&pixel[..n_colors]);
         }
+        let mut light: Vec<f32> = codes.iter().map(|code| code.light()).collect();
+        let after = of_runs(&self.runs, after, n_colors).concat();
+        for (light, (before, after)) in light.iter_mut().zip(self.light.iter().zip(&after)) {
+            *light = clipped_again(*light, [*before, *after], self.scattered);
+        }
+        S::of_lights(&light, &mut codes);
         codes
     }
+}
+
+/// The values of a frame's pixels that are side by side, so many of each.
+fn of_runs<'a, T>(runs: &[Range<usize>], values: &'a [T], n_per_pixel: usize) -> Vec<&'a [T]> {
+    let of_run = |run: &Range<usize>| &values[run.start * n_per_pixel..run.end * n_per_pixel];
+    runs.iter().map(of_run).collect()
 }
 
 /// What comes before the sensor, and the sensor, make of the light of a whole frame; samples whose light stays keep their
@@ -394,7 +404,7 @@ fn change_all<S: Sample>(
         }
     }
     let codes = clipped.chunks_exact(n_colors);
-    for (at, codes) in unclipped.pixels.iter().zip(codes) {
+    for (at, codes) in unclipped.runs.into_iter().flatten().zip(codes) {
         samples[at * n_channels..][..n_colors].copy_from_slice(codes);
     }
 }
@@ -405,13 +415,12 @@ const LEAST_CHANGE: f32 = 0.02;
 /// The light of a sample that was taken to be brighter before all that light meets, and what it is after that. What meets
 /// nothing is as it was.
 fn clipped_again(was: f32, [before, after]: [f32; 2], scattered: f32) -> f32 {
-    if before <= was {
-        return after;
-    }
     let change = ((after - before) / before).abs().max(scattered);
     let part = (change / LEAST_CHANGE).min(1.0);
     let same = after / before * was;
-    same + part * (after - same)
+    let changed = same + part * (after - same);
+    // Last, so that many are worked out side by side.
+    if before <= was { after } else { changed }
 }
 
 /// 255 where a camera's faults reach a frame of these colors, added to a region.
