@@ -1,6 +1,7 @@
 //! Lamps of a frame: what is brighter than white, and the sun beside it.
 
 use super::Optic;
+use super::clipped::runs_with;
 use crate::environment::Rgb;
 
 /// Width of the cells in which lamps are gathered, px.
@@ -43,63 +44,82 @@ impl Lamp {
 }
 
 /// The lamps in a frame: where it is brighter than white, by what it is.
-pub(super) fn lamps_of(
-    light: &[f32],
-    n_colors: usize,
-    (width, height): (usize, usize),
-) -> Vec<Lamp> {
-    if light.iter().all(|value| *value <= 1.0) {
-        return Vec::new();
-    }
-    let mut cell_px = CELL_PX;
-    loop {
-        let lamps = gathered(light, n_colors, (width, height), cell_px);
-        if lamps.len() <= MOST || cell_px > width.max(height) {
-            return lamps;
-        }
-        cell_px *= 2;
+pub(super) fn lamps_of(light: &[f32], n_colors: usize, size: (usize, usize)) -> Vec<Lamp> {
+    match n_colors {
+        1 => lamps_of_colors::<1>(light.as_chunks().0, size),
+        _ => lamps_of_colors::<3>(light.as_chunks().0, size),
     }
 }
 
-#[expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "px of a frame; light is single precision"
-)]
-fn gathered(
-    light: &[f32],
-    n_colors: usize,
+fn lamps_of_colors<const COLORS: usize>(
+    light: &[[f32; COLORS]],
     (width, height): (usize, usize),
-    cell_px: usize,
 ) -> Vec<Lamp> {
-    let mut lamps = Vec::new();
-    for top in (0..height).step_by(cell_px) {
-        for left in (0..width).step_by(cell_px) {
-            let (mut sum, mut weight, mut at, mut n) = ([0.0_f64; 3], 0.0, [0.0; 2], 0.0);
-            for y in top..(top + cell_px).min(height) {
-                for x in left..(left + cell_px).min(width) {
-                    let pixel = &light[(y * width + x) * n_colors..][..n_colors];
-                    if pixel.iter().all(|value| *value <= 1.0) {
-                        continue;
-                    }
-                    let all = f64::from(pixel.iter().sum::<f32>());
-                    weight += all;
-                    n += 1.0;
-                    at[0] += all * (x as f64 + 0.5);
-                    at[1] += all * (y as f64 + 0.5);
-                    for (k, sum) in sum.iter_mut().enumerate() {
-                        *sum += f64::from(pixel[k.min(n_colors - 1)]);
-                    }
-                }
-            }
-            if weight > 0.0 {
-                lamps.push(Lamp {
-                    at_px: at.map(|place| place / weight),
-                    light: sum.map(|color| color as f32),
-                    radius_px: (n / std::f64::consts::PI).sqrt(),
-                });
-            }
+    let lit = runs_with(light, width, |value| value > 1.0);
+    if lit.is_empty() {
+        return Vec::new();
+    }
+    let (mut columns, rows) = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
+    let mut cells = vec![Cell::default(); columns * rows];
+    for run in lit {
+        let (left, y) = (run.start % width, run.start / width);
+        for (x, pixel) in (left..).zip(&light[run]) {
+            cells[y / CELL_PX * columns + x / CELL_PX].add_pixel([x, y], pixel);
         }
     }
-    lamps
+    let is_lit = |cell: &&Cell| cell.weight > 0.0;
+    while cells.iter().filter(is_lit).count() > MOST {
+        let half = columns.div_ceil(2);
+        let mut larger = vec![Cell::default(); half * cells.len().div_ceil(columns).div_ceil(2)];
+        for (k, cell) in cells.iter().enumerate() {
+            larger[k / columns / 2 * half + k % columns / 2].add(cell);
+        }
+        (cells, columns) = (larger, half);
+    }
+    cells.iter().filter(is_lit).map(Cell::lamp).collect()
+}
+
+/// What of the frame's lamps is in a square of it.
+#[derive(Clone, Copy, Default)]
+struct Cell {
+    colors: [f64; 3],
+    /// All colors together, and places, px, times that.
+    weight: f64,
+    at: [f64; 2],
+    n_pixels: u32,
+}
+
+impl Cell {
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    fn add_pixel<const COLORS: usize>(&mut self, at: [usize; 2], pixel: &[f32; COLORS]) {
+        let all = f64::from(pixel.iter().sum::<f32>());
+        self.add(&Self {
+            colors: [0, 1, 2].map(|k| f64::from(pixel[k.min(COLORS - 1)])),
+            weight: all,
+            at: at.map(|place| all * (place as f64 + 0.5)),
+            n_pixels: 1,
+        });
+    }
+
+    fn add(&mut self, other: &Self) {
+        for (sum, color) in self.colors.iter_mut().zip(other.colors) {
+            *sum += color;
+        }
+        for (sum, at) in self.at.iter_mut().zip(other.at) {
+            *sum += at;
+        }
+        self.weight += other.weight;
+        self.n_pixels += other.n_pixels;
+    }
+
+    /// All of it as one lamp.
+    fn lamp(&self) -> Lamp {
+        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+        let light = self.colors.map(|color| color as f32);
+        Lamp {
+            at_px: self.at.map(|place| place / self.weight),
+            light,
+            radius_px: (f64::from(self.n_pixels) / std::f64::consts::PI).sqrt(),
+        }
+    }
 }
