@@ -141,7 +141,8 @@ impl Poisson {
             + (0..3)
                 .map(|k| usize::from(!reached(least + k)))
                 .sum::<usize>();
-        if n == least {
+        // Nor are dark pixels' counts of 0, than which nothing is less.
+        if (n == least) & (least > 0) {
             while n > 0 && reached(n - 1) {
                 n -= 1;
             }
