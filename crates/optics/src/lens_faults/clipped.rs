@@ -140,7 +140,13 @@ fn unclip_of<const COLORS: usize>(
     };
     // None where nothing is clipped.
     let gains: Vec<f32> = (regions.iter())
-        .map(|region| if region.is_clipped { gain_of(region) } else { 0.0 })
+        .map(|region| {
+            if region.is_clipped {
+                gain_of(region)
+            } else {
+                0.0
+            }
+        })
         .collect();
     let mut depths = &*depths;
     let mut brighter = bright.runs;
@@ -423,4 +429,79 @@ fn whole(of: &mut [usize], mut run: usize) -> usize {
         run = of[run];
     }
     run
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames of 1 to 12 px a side, of which so many of eight pixels are bright.
+    fn frames() -> impl Iterator<Item = (Vec<[f32; 1]>, usize)> {
+        (0..1200_usize).map(|frame| {
+            let (width, height) = (1 + frame % 12, 1 + frame / 12 % 12);
+            let n_bright = 1 + frame / 144 % 8;
+            let is_bright = |k: usize| (k + 7 * frame).wrapping_mul(2_654_435_761) >> 13 & 7;
+            let light = |k| [if is_bright(k) < n_bright { 1.0 } else { 0.1 }];
+            ((0..width * height).map(light).collect(), width)
+        })
+    }
+
+    fn bright_of(light: &[[f32; 1]], width: usize) -> Bright {
+        Bright {
+            runs: runs_with(light, width, |value| value >= BORDER),
+            size: (width, light.len() / width),
+        }
+    }
+
+    #[test]
+    fn depths_are_the_steps_to_the_next_dark_pixel() {
+        for (light, width) in frames() {
+            let bright = bright_of(&light, width);
+            let places: Vec<usize> = bright.runs.iter().cloned().flatten().collect();
+            let dark = |at: &usize| light[*at][0] < BORDER;
+            let all: Vec<usize> = (0..light.len()).filter(|at| !dark(at)).collect();
+            assert_eq!(places, all, "places of {light:?} in rows of {width}");
+            let steps = |at: usize, to: usize| {
+                let (dx, dy) = (
+                    (at % width).abs_diff(to % width),
+                    (at / width).abs_diff(to / width),
+                );
+                let corners = u32::try_from(dx.min(dy)).unwrap_or(FAR);
+                let all = u32::try_from(dx.max(dy)).unwrap_or(FAR);
+                STEPS[0] * (all - corners) + STEPS[1] * corners
+            };
+            let nearest = |at: usize| {
+                let others = (0..light.len()).filter(dark).map(|to| steps(at, to));
+                others.min().unwrap_or(FAR)
+            };
+            let wanted: Vec<u32> = all.iter().map(|at| nearest(*at)).collect();
+            assert_eq!(bright.depths(), wanted, "{light:?} in rows of {width}");
+        }
+    }
+
+    #[test]
+    fn pixels_that_touch_by_their_sides_are_one_region() {
+        for (light, width) in frames() {
+            let bright = bright_of(&light, width);
+            // Each bright pixel by itself, then the least of its neighbors until nothing changes.
+            let mut of: Vec<usize> = (0..light.len()).collect();
+            let is_bright = |at: usize| light[at][0] >= BORDER;
+            for _ in 0..light.len() {
+                for at in (0..light.len()).filter(|at| is_bright(*at)) {
+                    let right = at + 1;
+                    let beside = (right % width > 0).then_some(right);
+                    let below = (at + width < light.len()).then_some(at + width);
+                    for next in beside.into_iter().chain(below).filter(|at| is_bright(*at)) {
+                        let least = of[at].min(of[next]);
+                        (of[at], of[next]) = (least, least);
+                    }
+                }
+            }
+            let joined = bright.joined();
+            let first = |run: usize| bright.runs[run].start;
+            for (run, joined) in bright.runs.iter().zip(joined) {
+                assert_eq!(first(joined), of[run.start], "{light:?} in rows of {width}");
+            }
+        }
+    }
 }
