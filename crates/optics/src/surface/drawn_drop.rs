@@ -14,7 +14,7 @@ use crate::maps::{Drawn, add_arrays};
 use crate::number::Number;
 
 /// Least radius of a drop along its shorter side, in rays: where cells are wider, several rays share one, so many along a
-/// side at most.
+/// side at most. A drop that is seen at a grazing angle has more of them one below the other than side by side.
 const LEAST_RAYS: f64 = 0.75;
 const MOST_OF_CELL: u32 = 64;
 
@@ -40,9 +40,9 @@ const BEYOND: f64 = 1.1;
 pub(crate) struct DrawnDrop<'a> {
     pub(super) drop: Drop<'a>,
     blur_px: f64,
-    /// Rays along one side of a cell, and per px.
-    of_cell: u32,
-    rays_per_px: f64,
+    /// Rays of a cell side by side and one below the other, and per px.
+    of_cell: [u32; 2],
+    rays_per_px: [f64; 2],
     /// Rays that may meet it.
     columns: Range<i32>,
     rows: Range<i32>,
@@ -77,48 +77,47 @@ impl<'a> DrawnDrop<'a> {
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / seen.cells_per_px;
         let uneven = drop.cap.outline.reach();
         let extent = Extent::of(&drop, seen, BEYOND * uneven);
-        let radius_px = least_radius(seen.places_per_px);
-        let mut of_cell = 1;
-        while f64::from(of_cell) * seen.cells_per_px * radius_px < LEAST_RAYS
-            && of_cell < MOST_OF_CELL
-        {
-            of_cell *= 2;
-        }
-        let rays_per_px = f64::from(of_cell) * seen.cells_per_px;
+        let of_cell = rays_of_cell(seen);
+        let rays_per_px = of_cell.map(|n| f64::from(n) * seen.cells_per_px);
         // Half a ray beyond its outline is still among what a ray stands for.
-        let rays = |[low, high]: [f64; 2]| {
-            let [low, high] = [low * rays_per_px - 0.5, high * rays_per_px + 0.5];
+        let rays = |axis: usize, [low, high]: [f64; 2]| {
+            let [low, high] = [low, high].map(|px| px * rays_per_px[axis]);
+            let [low, high] = [low - 0.5, high + 0.5];
             #[expect(clippy::cast_possible_truncation, reason = "`as` clamps")]
             let rays = (low.floor() as i32)..(high.ceil() as i32);
             rays
         };
-        let [columns, rows] = extent.spans_px.map(rays);
+        let [across_px, down_px] = extent.spans_px;
+        let (columns, rows) = (rays(0, across_px), rays(1, down_px));
         let (width, height) = sheet.view().size();
-        let within_frame = |all: &Range<i32>, side_px: f64| {
-            let most = rays([-beyond_px, side_px + beyond_px]);
+        let within_frame = |all: &Range<i32>, axis: usize, side_px: f64| {
+            let most = rays(axis, [-beyond_px, side_px + beyond_px]);
             all.start.max(most.start)..all.end.min(most.end)
         };
         // Nothing is seen below a dashboard.
         let [_, last] = sheet.view().dashboard().ends();
         let within = [
-            within_frame(&columns, f64::from(width)),
-            within_frame(&rows, last * f64::from(height)),
+            within_frame(&columns, 0, f64::from(width)),
+            within_frame(&rows, 1, last * f64::from(height)),
         ];
         if within.iter().any(Range::is_empty) {
             return None;
         }
-        let per_ray = |per_px: [[f64; 2]; 2]| per_px.map(|of| of.map(|part| part / rays_per_px));
+        let per_ray = |per_px: [[f64; 2]; 2]| {
+            [0, 1].map(|axis| per_px[axis].map(|part| part / rays_per_px[axis]))
+        };
+        let radius = least_radius(per_ray(seen.places_per_px));
         let narrow = (extent.widest_px < BEYOND * NARROW * sheet.f_px()).then(|| Narrow {
             sight: drop.water.sight(seen.sight),
             per_ray: per_ray(seen.turns_per_px),
         });
         let mut drawn = Self {
-            middle: seen.at_px.map(|px| rays_per_px * px),
+            middle: [0, 1].map(|axis| rays_per_px[axis] * seen.at_px[axis]),
             per_ray: per_ray(seen.places_per_px),
             // With half a ray.
-            reach: extent.reach + 0.5 / (radius_px * rays_per_px),
-            whole_within: whole_within(1.0 / (radius_px * rays_per_px)),
-            share: 1.0 / f64::from(of_cell * of_cell),
+            reach: extent.reach + 0.5 / radius,
+            whole_within: whole_within(1.0 / radius),
+            share: 1.0 / f64::from(of_cell[0] * of_cell[1]),
             narrow,
             drop,
             blur_px,
@@ -245,22 +244,38 @@ impl<'a> DrawnDrop<'a> {
         (part, place)
     }
 
-    /// The rays of a cell.
-    fn rays_of(&self, cell: [i32; 2]) -> impl Iterator<Item = [i32; 2]> {
-        let of_cell = self.of_cell.cast_signed();
-        let rays = |cell: i32, all: &Range<i32>| {
-            let first = cell * of_cell;
-            first.max(all.start)..(first + of_cell).min(all.end)
-        };
-        let (columns, rows) = (rays(cell[0], &self.columns), rays(cell[1], &self.rows));
-        rows.flat_map(move |y| columns.clone().map(move |x| [x, y]))
-    }
-
-    /// The cells of some rays.
-    fn cells(&self, rays: &Range<i32>) -> Range<i32> {
-        let of_cell = self.of_cell.cast_signed();
+    /// The cells of some rays, side by side or one below the other.
+    fn cells(&self, axis: usize, rays: &Range<i32>) -> Range<i32> {
+        let of_cell = self.of_cell[axis].cast_signed();
         rays.start.div_euclid(of_cell)..(rays.end - 1).div_euclid(of_cell) + 1
     }
+
+    /// Those of a cell among some.
+    fn rays_of(&self, axis: usize, cell: i32, rays: &Range<i32>) -> Range<i32> {
+        let of_cell = self.of_cell[axis].cast_signed();
+        let first = cell * of_cell;
+        first.max(rays.start)..(first + of_cell).min(rays.end)
+    }
+}
+
+/// Rays of a cell side by side and one below the other, so many that a drop is as wide as some.
+fn rays_of_cell(seen: &SeenAt) -> [u32; 2] {
+    let per_cell = (seen.places_per_px).map(|of| of.map(|part| part / seen.cells_per_px));
+    let radius = |of_cell: [u32; 2]| {
+        least_radius([0, 1].map(|axis| per_cell[axis].map(|part| part / f64::from(of_cell[axis]))))
+    };
+    let mut of_cell = [1, 1];
+    while radius(of_cell) < LEAST_RAYS {
+        let [across, down] = of_cell;
+        let finer = [[2 * across, down], [across, 2 * down]];
+        // Where it is narrower, it gains more by that.
+        let next = if radius(finer[0]) > radius(finer[1]) { finer[0] } else { finer[1] };
+        if next.iter().any(|n| *n > MOST_OF_CELL) {
+            break;
+        }
+        of_cell = next;
+    }
+    of_cell
 }
 
 /// Steps of a sequence of which any few numbers side by side lie evenly between 0 and 1 \[Roberts2018\].
@@ -272,7 +287,7 @@ impl Drawn<LANES> for DrawnDrop<'_> {
     }
 
     fn rows(&self) -> Range<i32> {
-        self.cells(&self.rows)
+        self.cells(1, &self.rows)
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
@@ -284,13 +299,25 @@ impl Drawn<LANES> for DrawnDrop<'_> {
             last: None,
             add,
         };
-        let columns = match self.of_cell {
-            1 => self.across(row),
-            _ => self.cells(&self.columns),
-        };
-        for column in columns {
-            for at in self.rays_of([column, row]) {
-                cells.send(column, at);
+        let rows = self.rays_of(1, row, &self.rows);
+        if let [_, 1] = self.of_cell {
+            for y in rows {
+                for x in self.across(y) {
+                    cells.send(x.div_euclid(self.of_cell[0].cast_signed()), [x, y]);
+                }
+            }
+        } else {
+            let across: Vec<_> = rows.map(|y| (y, self.across(y))).collect();
+            let first = across.iter().map(|(_, across)| across.start).min();
+            let end = across.iter().map(|(_, across)| across.end).max();
+            if let (Some(first), Some(end)) = (first, end) {
+                for column in self.cells(0, &(first..end)) {
+                    for (y, across) in &across {
+                        for x in self.rays_of(0, column, across) {
+                            cells.send(column, [x, *y]);
+                        }
+                    }
+                }
             }
         }
         cells.finish();
@@ -311,7 +338,10 @@ impl Seen for DrawnDrop<'_> {
                 (share, place, sight.of_all(along))
             }
             None => {
-                let px = at.map(|k| (k + k.all(0.5)) / k.all(self.rays_per_px));
+                let px = [0, 1].map(|axis| {
+                    let ray = at[axis];
+                    (ray + ray.all(0.5)) / ray.all(self.rays_per_px[axis])
+                });
                 let outer_mm = water.from.sheet.outer_mm();
                 let (at_mm, sight, is_seen) = water.from.sheet.behind_each(px, outer_mm);
                 let place =
