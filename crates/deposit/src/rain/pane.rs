@@ -20,6 +20,9 @@ const TRAIL_RADIUS: f64 = 0.28;
 /// front and its back, and holds by them again.
 const STOPS_AT: f64 = 0.85;
 
+/// Most drops for which room is made before they land.
+const MOST_AWAITED: f64 = 1e6;
+
 /// A drop that lies on a pane.
 #[derive(Debug, Clone, Copy)]
 struct Lying {
@@ -86,7 +89,7 @@ impl Pane {
             driven_from_mm: rain.driven_from_mm(),
             most_bulges: Outline::most(rain.contact_rad, rain.holds_rad()),
             grid: Grid::over(&area),
-            drops: Vec::new(),
+            drops: Vec::with_capacity(rain.n_landing(&area).min(MOST_AWAITED) as usize),
             free: Vec::new(),
             n_put: 0,
             changes: Vec::new(),
