@@ -95,7 +95,7 @@ impl Dust {
         let level_um = self.level_um();
         let mut large = Raster::over(area, finest_mm, 0.0);
         // Sizes from the largest on: the k-th is exceeded by k grains.
-        let n_of = |size_um: f64| n_per_m2(level_um, size_um) * area.area_m2();
+        let n_of = |size_um: f64| n_per_m2(level_um, size_um) * area.rectangle_m2();
         let mut from_um = SIZES_UM[1];
         while n_of(from_um) < MOST_PLACED && from_um > 5.0 {
             from_um *= 0.98;
@@ -111,7 +111,7 @@ impl Dust {
             place -= libm::log(1.0 - uniform(&mut rng));
             place < n
         } {
-            let lg_n = libm::log10(0.1 * place / area.area_m2());
+            let lg_n = libm::log10(0.1 * place / area.rectangle_m2());
             let size_mm = 1e-3 * libm::pow(10.0, (level * level - lg_n / SLOPE).max(0.0).sqrt());
             let sides = area.sides_mm();
             // Where there is more dust there are more.

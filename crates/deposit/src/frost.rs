@@ -107,10 +107,7 @@ impl Frost {
         let sides_mm = area
             .sides_mm()
             .map(|side| ((side.min(TILE_MM) / cell_mm).round().max(4.0) - 1e-6) * cell_mm);
-        let tile = Area {
-            from_mm: area.from_mm,
-            to_mm: [0, 1].map(|k| area.from_mm[k] + sides_mm[k]),
-        };
+        let tile = Area::rectangle(area.from_mm, [0, 1].map(|k| area.from_mm[k] + sides_mm[k]));
         let mut ice = Ice {
             from_mm: area.from_mm,
             sides_mm,

@@ -244,10 +244,7 @@ mod tests {
 
     #[test]
     fn who_is_near_is_found_among_drops_that_come_and_go() {
-        let area = Area {
-            from_mm: [0.0; 2],
-            to_mm: [40.0, 30.0],
-        };
+        let area = Area::rectangle([0.0; 2], [40.0, 30.0]);
         let (mut grid, mut all) = (Grid::over(&area), Vec::new());
         let mut rng = Seed(5).stream(Stream::Rain, 0);
         for step in 0..3000_u32 {

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use self::run::Run;
-use self::splat::{Finger, Splat, wave_sizes};
+use self::splat::{Finger, MOST_REACH, Splat, wave_sizes};
 use crate::raster::Raster;
 use crate::{Area, Coating, Field, Passage};
 
@@ -107,7 +107,7 @@ impl Mud {
             clippy::cast_sign_loss,
             reason = "cells of a pane"
         )]
-        let wanted = (self.coverage.clamp(0.0, 0.95) * thickness.values.len() as f64) as usize;
+        let wanted = (self.coverage.clamp(0.0, 0.95) * thickness.n_across() as f64) as usize;
         let mut covered = 0;
         let waves = wave_sizes();
         let sides = area.sides_mm();
@@ -122,6 +122,9 @@ impl Mud {
             let middle_mm = [0, 1].map(|k| {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
             });
+            if !area.is_near(middle_mm, MOST_REACH * radius_mm) {
+                continue;
+            }
             let (sin, cos) = libm::sincos(-0.25 * TAU + LEANS_RAD * normal(&mut rng));
             let fingers = Finger::of_splat(radius_mm, &mut rng);
             let size_mm = (radius_mm, thickness.cell_mm);
@@ -131,7 +134,7 @@ impl Mud {
             let thickness_mm =
                 self.thickness_mm * thicker * libm::exp(THICKNESSES * normal(&mut rng));
             covered += splat.add(&mut thickness, thickness_mm);
-            for drop in splat.spray(&fingers, thickness.cell_mm, (&waves, &mut rng)) {
+            for drop in splat.spray(&fingers, (area, thickness.cell_mm), (&waves, &mut rng)) {
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
             for run in Run::of_splat((middle_mm, radius_mm), thickness_mm, &mut rng) {

@@ -1,5 +1,7 @@
 //! Numbers in square cells of an area.
 
+use std::ops::Range;
+
 use crate::Area;
 
 /// Most cells of an area: larger ones are taken where there would be more.
@@ -12,20 +14,53 @@ pub(crate) struct Raster<T = f32> {
     pub(crate) cell_mm: f64,
     pub(crate) size: [usize; 2],
     pub(crate) values: Vec<T>,
+    /// Cells of each row whose middle is in the area.
+    pub(crate) across: Vec<Range<usize>>,
 }
 
 impl<T: Copy> Raster<T> {
     /// Of one value in cells of a width, mm, or wider ones where those would be too many.
     pub(crate) fn over(area: &Area, cell_mm: f64, value: T) -> Self {
-        let least_mm = (area.area_m2() * 1e6 / MOST_CELLS).sqrt();
+        let least_mm = (area.rectangle_m2() * 1e6 / MOST_CELLS).sqrt();
         let cell_mm = cell_mm.max(least_mm).max(1e-3);
         let size = area.cells(cell_mm);
-        Self {
+        let mut raster = Self {
             from_mm: area.from_mm,
             cell_mm,
             size,
             values: vec![value; size[0] * size[1]],
-        }
+            across: Vec::new(),
+        };
+        raster.across = (0..size[1])
+            .map(|y| raster.columns(area.across_mm(raster.middle_mm(0, y)[1])))
+            .collect();
+        raster
+    }
+
+    /// The cells of a row whose middles lie between places, mm.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a pane; below 0 is 0"
+    )]
+    fn columns(&self, ends_mm: [f64; 2]) -> Range<usize> {
+        let ends = ends_mm.map(|mm| {
+            let [cells, _] = self.in_cells([mm, self.from_mm[1]]);
+            ((cells - 0.5).ceil().max(0.0) as usize).min(self.size[0])
+        });
+        ends[0]..ends[1].max(ends[0])
+    }
+
+    /// How many cells have their middle in the area.
+    pub(crate) fn n_across(&self) -> usize {
+        self.across.iter().map(Range::len).sum()
+    }
+
+    /// Of some columns those of a row that are in the area.
+    pub(crate) fn within(&self, columns: &Range<usize>, row: usize) -> Range<usize> {
+        let across = &self.across[row];
+        let first = columns.start.max(across.start);
+        first..columns.end.min(across.end).max(first)
     }
 
     /// A place in cells, the middle of the first at 0.5.
@@ -62,7 +97,7 @@ impl<T: Copy> Raster<T> {
         clippy::cast_precision_loss,
         reason = "cells of a pane; below 0 is 0"
     )]
-    pub(crate) fn around(&self, at_mm: [f64; 2], radius_mm: f64) -> [std::ops::Range<usize>; 2] {
+    pub(crate) fn around(&self, at_mm: [f64; 2], radius_mm: f64) -> [Range<usize>; 2] {
         let at = self.in_cells(at_mm);
         let radius = radius_mm / self.cell_mm;
         [0, 1].map(|k| {
@@ -81,6 +116,7 @@ impl<T: Copy> Raster<T> {
             cell_mm: self.cell_mm,
             size: self.size,
             values: self.values.iter().map(of).collect(),
+            across: self.across.clone(),
         }
     }
 }

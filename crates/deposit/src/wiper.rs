@@ -341,10 +341,7 @@ mod tests {
 
     #[test]
     fn a_wiper_that_is_not_on_an_area_is_nowhere_on_it() {
-        let area = Area {
-            from_mm: [-130.0, -80.0],
-            to_mm: [130.0, 60.0],
-        };
+        let area = Area::rectangle([-130.0, -80.0], [130.0, 60.0]);
         let (mut n_on, mut n_beside) = (0, 0);
         for age_s in (0..300).map(|k| f64::from(k) * 1e-2) {
             let Some(wiper) = Pass::at(5.0 + age_s, 0.0, 5.0).and_then(|pass| pass.wiper) else {

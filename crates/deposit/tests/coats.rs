@@ -10,10 +10,7 @@ use starbreak_deposit::{
 };
 use starbreak_seed::Seed;
 
-const AREA: Area = Area {
-    from_mm: [-100.0, -50.0],
-    to_mm: [200.0, 150.0],
-};
+const AREA: Area = Area::rectangle([-100.0, -50.0], [200.0, 150.0]);
 
 const MUD: Mud = Mud {
     coverage: 0.2,
@@ -409,10 +406,7 @@ fn dew_clears_where_least_of_it_was_first() {
 /// How far the rightmost ice gets, which a stem brings: no faster than the front, and some nearly as fast.
 #[test]
 fn the_fastest_stems_grow_at_the_speed_of_the_front() {
-    let wide = Area {
-        from_mm: [-150.0; 2],
-        to_mm: [150.0; 2],
-    };
+    let wide = Area::rectangle([-150.0; 2], [150.0; 2]);
     let mut fastest = 0.0_f64;
     for seed in 0..40 {
         let right = |age_s: f64| {
@@ -589,10 +583,7 @@ fn places_taken_together_are_those_taken_one_by_one() {
 /// itself.
 #[test]
 fn a_pane_over_vents_clears_from_below() {
-    let whole = Area {
-        from_mm: [-600.0, -300.0],
-        to_mm: [600.0, 400.0],
-    };
+    let whole = Area::rectangle([-600.0, -300.0], [600.0, 400.0]);
     let vents = Heating::Vents { edge_mm: 400.0 };
     let heat = vents.over(&whole);
     let (mut sum, mut n) = (0.0, 0.0);

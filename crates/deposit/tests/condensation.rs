@@ -236,10 +236,7 @@ fn the_law_is_one_curve() {
 
 #[test]
 fn a_field_is_about_one_and_smooth() {
-    let area = Area {
-        from_mm: [-50.0, 10.0],
-        to_mm: [350.0, 310.0],
-    };
+    let area = Area::rectangle([-50.0, 10.0], [350.0, 310.0]);
     let field = Field::over(&area, (40.0, 0.5), (Stream::Condensation, Seed(3)));
     let (mut sum, mut n, mut least, mut most) = (0.0, 0.0, f64::INFINITY, 0.0_f64);
     for y in 0..300 {

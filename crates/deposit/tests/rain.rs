@@ -6,10 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use starbreak_deposit::{Area, Cap, Outline, Rain, Shower};
 use starbreak_seed::Seed;
 
-const AREA: Area = Area {
-    from_mm: [-150.0, 20.0],
-    to_mm: [150.0, 220.0],
-};
+const AREA: Area = Area::rectangle([-150.0, 20.0], [150.0, 220.0]);
 
 fn rain(mm_h: f64) -> Rain {
     Rain {
@@ -61,10 +58,7 @@ fn level_glass_gets_the_rain_that_falls() {
 fn drops_hold_the_water_that_fell() {
     // Over many drops, all of which stay.
     let rain = level(10.0, 60.0);
-    let large = Area {
-        from_mm: [0.0; 2],
-        to_mm: [1000.0; 2],
-    };
+    let large = Area::rectangle([0.0; 2], [1000.0; 2]);
     let deposit = rain.on_pane(&large, Seed(1));
     let found = deposit.water_m(&large);
     let fell = rain.water_m_s() * rain.age_s;

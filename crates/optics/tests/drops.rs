@@ -141,10 +141,7 @@ fn uneven(degrees: f64, n: usize) -> Vec<Outline> {
         contact_rad: degrees.to_radians(),
         ..Rain::default()
     };
-    let area = Area {
-        from_mm: [0.0; 2],
-        to_mm: [200.0; 2],
-    };
+    let area = Area::rectangle([0.0; 2], [200.0; 2]);
     let mut outlines: Vec<Outline> = (rain.on_pane(&area, Seed(3)).caps.iter())
         .map(|cap| cap.outline)
         .collect();

@@ -26,10 +26,7 @@ const OPTIC: Optic = Optic {
     size: (600, 400),
 };
 
-const AREA: Area = Area {
-    from_mm: [-200.0; 2],
-    to_mm: [200.0; 2],
-};
+const AREA: Area = Area::rectangle([-200.0; 2], [200.0; 2]);
 
 fn view(rake_rad: f64) -> View {
     let camera = Camera {

@@ -13,10 +13,7 @@ const MM_PER_M: f64 = 1e3;
 const MARGIN_MM: f64 = 10.0;
 
 /// A windscreen about the optical axis.
-const WINDSCREEN: Area = Area {
-    from_mm: [-700.0, -400.0],
-    to_mm: [700.0, 700.0],
-};
+const WINDSCREEN: Area = Area::rectangle([-700.0, -400.0], [700.0, 700.0]);
 
 /// Camera, lens and mount of some settings, with frames of one size.
 #[derive(Debug, Clone, Copy)]
@@ -97,16 +94,13 @@ impl<'a> Scene<'a> {
     pub(crate) fn seen_area(&self, view: &View, above: f64) -> Area {
         let (width, height) = (f64::from(self.size_px.0), f64::from(self.size_px.1));
         let pane = match &self.settings.fracture {
-            FractureSettings::Physics(physics) => Area {
-                from_mm: [0.0; 2],
-                to_mm: physics.pane.outline.size_m().map(|side| side * MM_PER_M),
-            },
+            FractureSettings::Physics(physics) => {
+                let size_mm = physics.pane.outline.size_m().map(|side| side * MM_PER_M);
+                Area::rectangle([0.0; 2], size_mm)
+            }
             FractureSettings::Paper(_) | FractureSettings::None(_) => WINDSCREEN,
         };
-        let mut seen = Area {
-            from_mm: [f64::INFINITY; 2],
-            to_mm: [f64::NEG_INFINITY; 2],
-        };
+        let mut seen = Area::rectangle([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         const STEPS: u32 = 8;
         for step in 0..=STEPS {
             let part = f64::from(step) / f64::from(STEPS);
@@ -131,9 +125,30 @@ impl<'a> Scene<'a> {
         let above_mm = above * high + MARGIN_MM;
         let [x, y] = seen.from_mm;
         let from_mm = [x - beyond_mm[0], y - above_mm];
-        Area {
-            from_mm: [0, 1].map(|k| from_mm[k].max(pane.from_mm[k])),
-            to_mm: [0, 1].map(|k| (seen.to_mm[k] + beyond_mm[k]).min(pane.to_mm[k])),
+        let area = Area::rectangle(
+            [0, 1].map(|k| from_mm[k].max(pane.from_mm[k])),
+            [0, 1].map(|k| (seen.to_mm[k] + beyond_mm[k]).min(pane.to_mm[k])),
+        );
+        // A frame's sides are straight lines on the pane, and what is above them may come down to where they are.
+        let upper_mm = area.from_mm[1] + above_mm;
+        let line = |x: f64, aside_mm: f64| {
+            let top = view.unproject([x, 0.0])?;
+            let middle = view.unproject([x, 0.5 * height])?;
+            let moves = (middle[0] - top[0]) / (middle[1] - top[1]);
+            Some((top[0] + (upper_mm - top[1]) * moves + aside_mm, moves))
+        };
+        let aside_mm = 2.0 * MARGIN_MM + self.pupil_mm();
+        match (line(0.0, -aside_mm), line(width, aside_mm)) {
+            (Some(left), Some(right)) => area.between([left, right]),
+            _ => area,
+        }
+    }
+
+    /// Diameter of the entrance pupil, mm.
+    fn pupil_mm(&self) -> f64 {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) => optics.lens.aperture_m() * MM_PER_M,
+            OpticsSettings::Paper(_) => 0.0,
         }
     }
 
@@ -145,11 +160,7 @@ impl<'a> Scene<'a> {
         let pixel_mm = at
             .and_then(|at| view.px_per_unit(at))
             .map_or(1.0, |px| 1.0 / px);
-        let pupil_mm = match &self.settings.optics {
-            OpticsSettings::Physical(optics) => optics.lens.aperture_m() * MM_PER_M,
-            OpticsSettings::Paper(_) => 0.0,
-        };
-        pixel_mm.max(pupil_mm / 6.0)
+        pixel_mm.max(self.pupil_mm() / 6.0)
     }
 
     /// Length of what the frame shows of a network at a time, in the unit of its arrivals, px.

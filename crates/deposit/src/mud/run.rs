@@ -173,7 +173,7 @@ impl Run {
             let wide_mm = half_mm.max(0.75 * thickness.cell_mm);
             let most_mm = thick_mm * half_mm / wide_mm;
             let [columns, _] = thickness.around([middle_mm, self.from_mm[1]], wide_mm);
-            for x in columns {
+            for x in thickness.within(&columns, y) {
                 let off = (thickness.middle_mm(x, y)[0] - middle_mm) / wide_mm;
                 #[expect(clippy::cast_possible_truncation, reason = "a length")]
                 let more = (most_mm * dried(off * off)) as f32;
@@ -203,10 +203,7 @@ mod tests {
 
     #[test]
     fn what_runs_down_is_what_was_too_thick_to_stay() {
-        let area = Area {
-            from_mm: [-20.0, -10.0],
-            to_mm: [20.0, 600.0],
-        };
+        let area = Area::rectangle([-20.0, -10.0], [20.0, 600.0]);
         for (radius_mm, most_mm) in [(1.9, 0.6), (4.0, 0.35), (4.0, 0.6), (9.0, 0.5)] {
             let (mut below_mm3, mut excess_mm3) = (0.0, 0.0);
             for seed in 0..40 {

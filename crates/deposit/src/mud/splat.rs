@@ -7,10 +7,13 @@ use starbreak_seed::{normal, uniform};
 
 use super::run::Run;
 use crate::raster::Raster;
-use crate::vectorized;
+use crate::{Area, vectorized};
 
-/// Farthest that a splat's outline is from its middle, in radii.
+/// Farthest that a splat's outline is from its middle, in radii, by how much it is longer at most than wide, and how far from
+/// its middle a drop of its spray may reach.
 const MOST_OUTLINE: f64 = 2.5;
+const MOST_LONGER: f64 = 1.7;
+pub(super) const MOST_REACH: f64 = 25.0;
 
 /// Nearest that it is.
 const LEAST_OUTLINE: f64 = 0.4;
@@ -156,7 +159,7 @@ impl Splat {
         fingers: &[Finger],
         (waves, rng): (&[f64], &mut ChaCha8Rng),
     ) -> Self {
-        let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
+        let longer = 1.0 + (MOST_LONGER - 1.0) * uniform(rng) * uniform(rng);
         let mut lobes = [[0.0; 2]; N_LOBES];
         let lobes = &mut lobes[..waves.len()];
         for (wave, lobe) in waves.iter().zip(&mut *lobes) {
@@ -196,11 +199,11 @@ impl Splat {
         }
     }
 
-    /// Its spray, most of it beyond, as it was thrown: many small drops, few larger ones.
+    /// Its spray over an area, most of it beyond the splat, as it was thrown: many small drops, few larger ones.
     pub(super) fn spray(
         &self,
         fingers: &[Finger],
-        cell_mm: f64,
+        (area, cell_mm): (&Area, f64),
         (waves, rng): (&[f64], &mut ChaCha8Rng),
     ) -> Vec<Self> {
         let many = uniform(rng);
@@ -220,10 +223,12 @@ impl Splat {
             let far_mm = libm::hypot(way_mm[0], way_mm[1]);
             let ahead = (at_mm, way_mm.map(|it| it / far_mm));
             let larger = 1.0 / (0.03 + 0.97 * uniform(rng)).sqrt();
-            let size_mm = (SPRAY_OF_SPLAT * self.radius_mm * larger, cell_mm);
-            Self::new(ahead, size_mm, &[], (&waves[..SPRAY_LOBES], rng))
+            let radius_mm = SPRAY_OF_SPLAT * self.radius_mm * larger;
+            let is_near = area.is_near(at_mm, MOST_OUTLINE * MOST_LONGER * radius_mm);
+            let waves = (&waves[..SPRAY_LOBES], &mut *rng);
+            is_near.then(|| Self::new(ahead, (radius_mm, cell_mm), &[], waves))
         };
-        (0..n_drops).map(drop).collect()
+        (0..n_drops).filter_map(drop).collect()
     }
 
     /// Farthest that its outline is from its middle, in radii of the disc that it was.
@@ -305,6 +310,7 @@ impl Splat {
                 / a;
             let x_mm = self.middle_mm[0] - b / a * down_mm;
             let [columns, _] = thickness.around([x_mm, self.middle_mm[1]], half_mm);
+            let columns = thickness.within(&columns, y);
             for left in columns.clone().step_by(TOGETHER) {
                 let places = std::array::from_fn(|k| thickness.middle_mm(left + k, y));
                 let from_middle_mm =
@@ -343,7 +349,6 @@ mod tests {
     use starbreak_seed::{Seed, Stream};
 
     use super::*;
-    use crate::Area;
 
     #[test]
     fn a_direction_is_found_where_it_lies_around() {
@@ -359,10 +364,7 @@ mod tests {
     /// The cells that are covered are those within the outline, wherever it reaches, each once.
     #[test]
     fn a_splat_covers_what_is_within_its_outline() {
-        let area = Area {
-            from_mm: [-30.0, -30.0],
-            to_mm: [30.0, 30.0],
-        };
+        let area = Area::rectangle([-30.0, -30.0], [30.0, 30.0]);
         let waves = wave_sizes();
         let (mut n_covered, mut n_far) = (0, 0);
         for seed in 0..20 {

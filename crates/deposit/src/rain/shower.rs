@@ -23,7 +23,7 @@ pub struct Shower {
     area: Area,
     seed: Seed,
     impacts: Impacts,
-    /// Drops that land in a second.
+    /// Drops that land in a second on its rectangle: of corners that are cut off nothing more is asked.
     per_s: f64,
     pane: Pane,
     rng: ChaCha8Rng,
@@ -48,7 +48,7 @@ impl Shower {
     pub fn of(rain: Rain, area: Area, seed: Seed) -> Self {
         let impacts = rain.impacts();
         let per_s = if rain.rate_m_s > 0.0 {
-            impacts.all * area.area_m2()
+            impacts.all * area.rectangle_m2()
         } else {
             0.0
         };
@@ -103,11 +103,13 @@ impl Shower {
                 at_mm,
                 volume_mm3,
             } = self.next;
-            let trail = self.seed.stream(Stream::Rain, self.n_landed + 1);
-            let rests = self.pane.lands(at_mm, volume_mm3, (age_s - time_s, trail));
-            if stops && !rests {
-                self.pane.take_back();
-                return;
+            if self.area.holds(at_mm) {
+                let trail = self.seed.stream(Stream::Rain, self.n_landed + 1);
+                let rests = self.pane.lands(at_mm, volume_mm3, (age_s - time_s, trail));
+                if stops && !rests {
+                    self.pane.take_back();
+                    return;
+                }
             }
             self.n_landed += 1;
             self.next = (self.impacts).landing((time_s, self.per_s), &self.area, &mut self.rng);

@@ -269,7 +269,11 @@ fn rays_of_cell(seen: &SeenAt) -> [u32; 2] {
         let [across, down] = of_cell;
         let finer = [[2 * across, down], [across, 2 * down]];
         // Where it is narrower, it gains more by that.
-        let next = if radius(finer[0]) > radius(finer[1]) { finer[0] } else { finer[1] };
+        let next = if radius(finer[0]) > radius(finer[1]) {
+            finer[0]
+        } else {
+            finer[1]
+        };
         if next.iter().any(|n| *n > MOST_OF_CELL) {
             break;
         }
