@@ -90,6 +90,11 @@ pub trait Coating {
         0.0
     }
 
+    /// How far apart places may be of which a mean is taken, mm, where a pixel shows more of the pane.
+    fn apart_mm(&self) -> f64 {
+        self.even_over_mm()
+    }
+
     /// Standard deviations per axis of its smaller and its larger angle, rad.
     fn turns_by_rad(&self) -> [f64; 2];
 

@@ -71,11 +71,14 @@ impl Condensation {
     fn drops_of(&self, volume: f64, [times, heat]: [f64; 2]) -> Dew {
         let grows_s = self.age_s.min(self.clears_from_s);
         let film_m = (self.growth_m_s * grows_s * times).max(0.0);
-        let alone_m = libm::cbrt(film_m / (self.nuclei_per_m2 * volume));
-        let covered = self.nuclei_per_m2 * PI * alone_m * alone_m;
-        let (covered, radius_m) = match covered <= MOST_COVERED {
-            true => (covered, alone_m),
-            false => (MOST_COVERED, film_m * PI / (MOST_COVERED * volume)),
+        // r³ of drops that have not merged, and the most of r²: most have, and a root takes most of the time.
+        let cubed_m3 = film_m / (self.nuclei_per_m2 * volume);
+        let merged_m2 = MOST_COVERED / (self.nuclei_per_m2 * PI);
+        let (covered, radius_m) = if cubed_m3 * cubed_m3 < cubed(merged_m2) {
+            let alone_m = libm::cbrt(cubed_m3);
+            (self.nuclei_per_m2 * PI * alone_m * alone_m, alone_m)
+        } else {
+            (MOST_COVERED, film_m * PI / (MOST_COVERED * volume))
         };
         let dew = Dew {
             covered,
@@ -187,6 +190,7 @@ impl Fog {
         let mut pane = FoggedPane {
             mean: self.mean,
             volume,
+            scale_mm: self.scale_mm,
             times: Field::over(area, scale, stream),
             heat: self.heated_by.of_lost(self.mean.gone_m(), area),
             typical: self.mean.drops_of(volume, [1.0, 1.0]),
@@ -203,6 +207,7 @@ pub(crate) struct FoggedPane {
     mean: Condensation,
     /// Of a drop of radius 1.
     volume: f64,
+    scale_mm: f64,
     times: Field,
     heat: Heat,
     /// What drops are like where there are some.
@@ -249,6 +254,11 @@ impl Coating for FoggedPane {
             wide: c,
             ..Passage::CLEAN
         }
+    }
+
+    /// A sixteenth of the smaller of its two sizes of places.
+    fn apart_mm(&self) -> f64 {
+        self.scale_mm / 32.0
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {

@@ -71,7 +71,7 @@ impl Samples {
         }
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
         let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
-        let longest_mm = coating.even_over_mm().max(LONGEST_MM);
+        let longest_mm = coating.apart_mm().max(LONGEST_MM);
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
         // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
