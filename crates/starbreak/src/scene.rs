@@ -250,3 +250,56 @@ impl<'a> Scene<'a> {
         [glass, disc(lens.scene_m)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Recipe;
+
+    /// Whatever a frame shows of a pane is in the area on which things lie, but for what is beyond the pane.
+    #[test]
+    fn all_that_is_seen_is_in_the_area_and_little_else() {
+        let mut least = f64::INFINITY;
+        for (width, height) in [(1242, 375), (640, 480), (480, 640), (1280, 720), (300, 300)] {
+            for set in [
+                "glass.rake_deg=50",
+                "glass.rake_deg=30",
+                "glass.rake_deg=0",
+                "glass.rake_deg=-40",
+                "camera.f_px=2000",
+                "glass.distance_m=0.02",
+            ] {
+                let mut recipe = Recipe::preset("rain").unwrap_or_else(|it| panic!("{it}"));
+                recipe.set(set).unwrap_or_else(|it| panic!("{it}"));
+                let settings = recipe.settings().unwrap_or_else(|it| panic!("{it}"));
+                let scene = Scene::of(&settings, (width, height));
+                let view = scene.sheet().unwrap_or_else(|it| panic!("{it}"));
+                for above in [0.1, 0.4] {
+                    let area = scene.seen_area(&view, above);
+                    let mut n_seen = 0;
+                    for k in 0..10_000 {
+                        let [s, t] = [k % 100, k / 100].map(|n| f64::from(n) / 99.0);
+                        let at = [s * f64::from(width), t * f64::from(height)];
+                        let Some(at_mm) = view.unproject(at) else {
+                            continue;
+                        };
+                        let is_on = |k: usize| {
+                            (WINDSCREEN.from_mm[k]..WINDSCREEN.to_mm[k]).contains(&at_mm[k])
+                        };
+                        if is_on(0) && is_on(1) {
+                            n_seen += 1;
+                            assert!(
+                                area.holds(at_mm),
+                                "{set}, {width} x {height}, {above}: {at:?} px shows {at_mm:?} mm"
+                            );
+                        }
+                    }
+                    assert!(n_seen > 5000, "{set}, {width} x {height}: {n_seen}");
+                    let [wide, high] = area.sides_mm();
+                    least = least.min(area.area_m2() * 1e6 / (wide * high));
+                }
+            }
+        }
+        assert!(least < 0.65, "of the rectangle at least: {least}");
+    }
+}

@@ -1,0 +1,165 @@
+//! A part of a pane.
+
+/// A part of a pane: a rectangle, of which the upper corners may be cut off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Area {
+    /// Upper left corner of the rectangle, mm.
+    pub from_mm: [f64; 2],
+    /// Its lower right corner, mm.
+    pub to_mm: [f64; 2],
+    /// How far its upper edge is cut from the left and from the right, mm, and by how much less an edge below it, mm per mm.
+    cut_mm: [f64; 2],
+    widens: [f64; 2],
+}
+
+impl Area {
+    /// A rectangle between corners, mm.
+    #[must_use]
+    pub const fn rectangle(from_mm: [f64; 2], to_mm: [f64; 2]) -> Self {
+        Self {
+            from_mm,
+            to_mm,
+            cut_mm: [0.0; 2],
+            widens: [0.0; 2],
+        }
+    }
+
+    /// Without what is left of a straight line, or right of another: each by the place to the right, mm, where it meets the
+    /// upper edge, and how far that moves with each mm down. A line that leaves more of the upper edge than of others cuts
+    /// nothing off: what slides down the pane would come from there.
+    #[must_use]
+    pub fn between(self, lines: [(f64, f64); 2]) -> Self {
+        let cut = |k: usize| {
+            let (at_mm, moves) = lines[k];
+            let (cut_mm, widens) = match k {
+                0 => (at_mm - self.from_mm[0], -moves),
+                _ => (self.to_mm[0] - at_mm, moves),
+            };
+            let does_cut = cut_mm > 0.0 && widens > 0.0 && (cut_mm + widens).is_finite();
+            if does_cut {
+                (cut_mm, widens)
+            } else {
+                (0.0, 0.0)
+            }
+        };
+        let [left, right] = [0, 1].map(cut);
+        Self {
+            cut_mm: [left.0, right.0],
+            widens: [left.1, right.1],
+            ..self
+        }
+    }
+
+    /// From where to where it reaches at a height, mm.
+    #[must_use]
+    pub fn across_mm(&self, down_mm: f64) -> [f64; 2] {
+        let below_mm = down_mm - self.from_mm[1];
+        let [left, right] = [0, 1].map(|k| (self.cut_mm[k] - self.widens[k] * below_mm).max(0.0));
+        [self.from_mm[0] + left, self.to_mm[0] - right]
+    }
+
+    /// Whether a place, mm, is in it.
+    #[must_use]
+    pub fn holds(&self, at_mm: [f64; 2]) -> bool {
+        let [left, right] = self.across_mm(at_mm[1]);
+        (left..right).contains(&at_mm[0]) && (self.from_mm[1]..self.to_mm[1]).contains(&at_mm[1])
+    }
+
+    /// Whether a place is in it, or may be so near, mm.
+    pub(crate) fn is_near(&self, at_mm: [f64; 2], within_mm: f64) -> bool {
+        // No row that near is wider than the lowest.
+        let [left, right] = self.across_mm(at_mm[1] + within_mm);
+        let is_beside =
+            |mm: f64, [from, to]: [f64; 2]| mm >= from - within_mm && mm <= to + within_mm;
+        is_beside(at_mm[0], [left, right]) && is_beside(at_mm[1], [self.from_mm[1], self.to_mm[1]])
+    }
+
+    /// Sides of the rectangle, mm.
+    #[must_use]
+    pub fn sides_mm(&self) -> [f64; 2] {
+        [0, 1].map(|k| (self.to_mm[k] - self.from_mm[k]).max(0.0))
+    }
+
+    /// Cells of a width, mm, along each side of the rectangle: one at least.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a pane"
+    )]
+    pub(crate) fn cells(&self, cell_mm: f64) -> [usize; 2] {
+        self.sides_mm()
+            .map(|side| ((side / cell_mm).ceil() as usize).max(1))
+    }
+
+    /// Its area, m²: without the corners that are cut off.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        let [_, height_mm] = self.sides_mm();
+        let corner_mm2 = |k: usize| {
+            let (cut_mm, widens) = (self.cut_mm[k], self.widens[k]);
+            let high_mm = if widens > 0.0 {
+                (cut_mm / widens).min(height_mm)
+            } else {
+                0.0
+            };
+            high_mm * (cut_mm - 0.5 * widens * high_mm)
+        };
+        self.rectangle_m2() - 1e-6 * (corner_mm2(0) + corner_mm2(1))
+    }
+
+    /// The area of the rectangle, m².
+    pub(crate) fn rectangle_m2(&self) -> f64 {
+        let [width, height] = self.sides_mm();
+        width * height * 1e-6
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_cut_off_is_neither_held_nor_counted() {
+        let whole = Area::rectangle([-60.0, 10.0], [40.0, 90.0]);
+        let lines = [
+            [(-20.0, -0.5), (15.0, 0.25)],
+            [(-60.0, -0.5), (15.0, 3.0)],
+            // Lines that leave more of the upper edge, that run beside the rectangle, and one that nothing is known of.
+            [(-20.0, 0.5), (50.0, 0.1)],
+            [(-20.0, f64::NAN), (15.0, f64::INFINITY)],
+        ];
+        for (k, two) in lines.into_iter().enumerate() {
+            let area = whole.between(two);
+            let at = |k: usize| [k % 500, k / 500].map(|n| (n as f64 + 0.5) / 500.0);
+            let places = (0..250_000)
+                .map(at)
+                .map(|[s, t]| [-60.0 + 100.0 * s, 10.0 + 80.0 * t]);
+            let held = places.filter(|place| area.holds(*place)).count();
+            let share = held as f64 / 250_000.0;
+            let counted = area.area_m2() / area.rectangle_m2();
+            assert!((share - counted).abs() < 2e-3, "{k}: {share}, {counted}");
+            assert_eq!(k < 2, counted < 0.99, "{k}: {counted}");
+        }
+        let area = whole.between(lines[0]);
+        let [[left, right], [lower_left, lower_right]] = [10.0, 30.0].map(|y| area.across_mm(y));
+        assert!(
+            (left + 20.0).abs() < 1e-9 && (right - 15.0).abs() < 1e-9,
+            "{left} to {right}"
+        );
+        let is_wider = (lower_left + 30.0).abs() < 1e-9 && (lower_right - 20.0).abs() < 1e-9;
+        assert!(is_wider, "{lower_left} to {lower_right}");
+    }
+
+    #[test]
+    fn what_is_near_an_area_is_told_from_what_is_not() {
+        let area = Area::rectangle([0.0; 2], [100.0; 2]).between([(40.0, -1.0), (60.0, 1.0)]);
+        assert!(area.is_near([50.0, 50.0], 0.0), "within");
+        assert!(area.is_near([38.0, 0.0], 2.0), "beside its upper edge");
+        assert!(
+            !area.is_near([20.0, 0.0], 5.0),
+            "in a corner that is cut off"
+        );
+        assert!(!area.is_near([50.0, 106.0], 5.0), "below");
+        assert!(area.is_near([50.0, 104.0], 5.0), "a little below");
+    }
+}
