@@ -140,33 +140,48 @@ impl Streaks {
                 Wide::of(cells, reach_px)
             })
             .collect();
-        let mut out = vec![[0.0_f32; COLORS]; small.size.0 * small.size.1];
+        // What comes from far changes as slowly as the cells that it comes from.
+        let n_near = self.pieces.partition_point(|piece| piece.level == 0);
+        let (near, far) = self.pieces.split_at(n_near);
+        let mut broad = self.from_pieces(near, &small, &wide);
+        broad.add(&self.from_pieces(far, &sizes[1], &wide));
+        broad
+    }
+
+    /// What is turned to cells as wide as some from pieces of streaks.
+    fn from_pieces<const COLORS: usize>(
+        &self,
+        pieces: &[Piece],
+        Cells { size, per_cell, .. }: &Cells<COLORS>,
+        wide: &[Wide],
+    ) -> Cells<COLORS> {
+        let mut out = vec![[0.0_f32; COLORS]; size.0 * size.1];
         vectorized(
             #[inline(always)]
             || {
-                for (y, row) in out.chunks_exact_mut(small.size.0).enumerate() {
+                for (y, row) in out.chunks_exact_mut(size.0).enumerate() {
                     for (x, sum) in row.iter_mut().enumerate() {
-                        *sum = self.of_cell([x, y], small.per_cell, &wide);
+                        *sum = self.of_cell(pieces, ([x, y], *per_cell), wide);
                     }
                 }
             },
         );
-        Cells::of_cells(out.as_flattened(), small.size, small.per_cell)
+        Cells::of_cells(out.as_flattened(), *size, *per_cell)
     }
 
-    /// The light that is turned to the middle of a cell.
+    /// The light that is turned to the middle of a cell, so many px wide.
     #[inline(always)]
     fn of_cell<const COLORS: usize>(
         &self,
-        cell: [usize; 2],
-        per_cell: u32,
+        pieces: &[Piece],
+        (cell, per_cell): ([usize; 2], u32),
         wide: &[Wide],
     ) -> [f32; COLORS] {
         let across = self.direction(cell, per_cell);
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
         let at = cell.map(|k| (k as f32 + 0.5) * per_cell as f32);
         let mut sum = f32x4::ZERO;
-        for piece in &self.pieces {
+        for piece in pieces {
             let cells = &wide[piece.level];
             for away in [piece.away_px, -piece.away_px] {
                 let light = cells.at([at[0] + away * across[0], at[1] + away * across[1]]);
