@@ -141,8 +141,12 @@ impl Mud {
                 covered += run.add(&mut thickness);
             }
         }
+        let most_mm = thickness
+            .values
+            .iter()
+            .fold(0.0, |most: f32, it| most.max(*it));
         MuddyPane {
-            mud: *self,
+            layers: Layers::of(self, f64::from(most_mm) * (1.0 + GRAIN.1)),
             thickness,
             grain: Field::over(area, GRAIN, (Stream::Mud, seed)),
         }
@@ -151,9 +155,54 @@ impl Mud {
 
 /// Mud on one pane.
 pub(crate) struct MuddyPane {
-    mud: Mud,
+    layers: Layers,
     thickness: Raster,
     grain: Field,
+}
+
+/// Steps of the thickness, which are smaller where it is thin: their number grows with its root.
+const STEPS: u32 = 1024;
+
+/// What layers up to the thickest of a pane do to light, on straight lines between steps: within
+/// κ d/(2 e 1024²) of the law, with d the thickest and κ what straight light loses on a way of 1 mm: some 10⁻⁴.
+struct Layers {
+    steps: Vec<Passage>,
+    steps_per_root_mm: f64,
+}
+
+impl Layers {
+    fn of(mud: &Mud, most_mm: f64) -> Self {
+        let part = |step: u32| f64::from(step) / f64::from(STEPS);
+        Self {
+            steps: (0..=STEPS)
+                .map(|step| mud.layer(most_mm * part(step) * part(step)))
+                .collect(),
+            steps_per_root_mm: f64::from(STEPS) / most_mm.sqrt().max(f64::MIN_POSITIVE),
+        }
+    }
+
+    /// What a layer does.
+    fn at(&self, thickness_mm: f64) -> Passage {
+        let at = (thickness_mm.sqrt() * self.steps_per_root_mm).min(f64::from(STEPS));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "a step"
+        )]
+        let (step, part) = (at as usize, at - (at as usize) as f64);
+        let [one, next] = [0, 1].map(|k| &self.steps[(step + k).min(self.steps.len() - 1)]);
+        let between = |one: f64, next: f64| one + part * (next - one);
+        let colors = |one: &[f64; 3], next: &[f64; 3]| [0, 1, 2].map(|k| between(one[k], next[k]));
+        Passage {
+            covered: one.covered,
+            direct: colors(&one.direct, &next.direct),
+            wide: between(one.wide, next.wide),
+            diffuse: colors(&one.diffuse, &next.diffuse),
+            back: colors(&one.back, &next.back),
+            ..Passage::CLEAN
+        }
+    }
 }
 
 impl Coating for MuddyPane {
@@ -165,11 +214,47 @@ impl Coating for MuddyPane {
         let is_covered = |cell: usize| self.thickness.values[cell] > 0.0;
         Passage {
             covered: f64::from(u8::from(self.thickness.cell(at_mm).is_some_and(is_covered))),
-            ..self.mud.layer(thickness_mm * self.grain.at(at_mm))
+            ..self.layers.at(thickness_mm * self.grain.at(at_mm))
         }
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {
         [0.0, TURNED_RAD]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn layers_between_steps_are_those_of_the_law() {
+        let usual = Mud {
+            coverage: 0.2,
+            splat_mm: 6.0,
+            thickness_mm: 0.1,
+            absorbs_per_mm: [6.0, 11.0, 22.0],
+            scatters_per_mm: 20.0,
+        };
+        let [none, much] = [0.0, 200.0].map(|absorbs| Mud {
+            absorbs_per_mm: [absorbs; 3],
+            ..usual
+        });
+        for (mud, most_mm) in [(usual, 0.4), (usual, 0.01), (none, 0.3), (much, 3.0)] {
+            let layers = Layers::of(&mud, most_mm);
+            let mut worst = 0.0_f64;
+            for k in 0..=20_000 {
+                let thickness_mm = most_mm * f64::from(k) / 20_000.0;
+                let (found, law) = (layers.at(thickness_mm), mud.layer(thickness_mm));
+                let shares = |it: &Passage| {
+                    let colors = it.direct.into_iter().chain(it.diffuse).chain(it.back);
+                    colors.chain([it.wide, it.covered]).collect::<Vec<_>>()
+                };
+                for (found, law) in shares(&found).into_iter().zip(shares(&law)) {
+                    worst = worst.max((found - law).abs());
+                }
+            }
+            assert!(worst < 2e-4, "{mud:?} of up to {most_mm} mm: {worst}");
+        }
     }
 }
