@@ -82,6 +82,12 @@ pub(super) struct Pane {
 
 impl Pane {
     pub(super) fn dry(rain: Rain, area: Area) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some drops"
+        )]
+        let n_awaited = rain.n_landing(&area).min(MOST_AWAITED) as usize;
         Self {
             rain,
             area,
@@ -89,7 +95,7 @@ impl Pane {
             driven_from_mm: rain.driven_from_mm(),
             most_bulges: Outline::most(rain.contact_rad, rain.holds_rad()),
             grid: Grid::over(&area),
-            drops: Vec::with_capacity(rain.n_landing(&area).min(MOST_AWAITED) as usize),
+            drops: Vec::with_capacity(n_awaited),
             free: Vec::new(),
             n_put: 0,
             changes: Vec::new(),

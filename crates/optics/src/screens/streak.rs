@@ -143,13 +143,13 @@ impl Streaks {
         // What comes from far changes as slowly as the cells that it comes from.
         let n_near = self.pieces.partition_point(|piece| piece.level == 0);
         let (near, far) = self.pieces.split_at(n_near);
-        let mut broad = self.from_pieces(near, &small, &wide);
-        broad.add(&self.from_pieces(far, &sizes[1], &wide));
+        let mut broad = self.of_pieces(near, &small, &wide);
+        broad.add(&self.of_pieces(far, &sizes[1], &wide));
         broad
     }
 
     /// What is turned to cells as wide as some from pieces of streaks.
-    fn from_pieces<const COLORS: usize>(
+    fn of_pieces<const COLORS: usize>(
         &self,
         pieces: &[Piece],
         Cells { size, per_cell, .. }: &Cells<COLORS>,
