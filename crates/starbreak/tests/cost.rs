@@ -218,7 +218,7 @@ fn what_takes_too_much_is_refused_with_the_key_to_change() {
         ),
         (
             refusal("rain", &[], (4000, 3000), 256 * mib),
-            "showing the drops on the glass may take 1.5 GiB of memory, more than the 256 MiB that one picture may take; take smaller images, or raise that limit (--max-memory",
+            "showing the drops on the glass may take 1.4 GiB of memory, more than the 256 MiB that one picture may take; take smaller images, or raise that limit (--max-memory",
         ),
         (
             refusal("fogged", &[], (4000, 3000), 256 * mib),

@@ -1,7 +1,7 @@
 //! Lamps of a frame: what is brighter than white, and the sun beside it.
 
 use super::Optic;
-use super::clipped::runs_with;
+use super::bright::runs_with;
 use crate::environment::Rgb;
 
 /// Width of the cells in which lamps are gathered, px.

@@ -4,6 +4,7 @@
 //! them in this order: geometry ([`Distortion`], [`Fringes`]), blur ([`Defocus`], [`Shake`]), stray light
 //! ([`Ghosts`], [`Star`], [`Glare`]), and [`Shading`].
 
+mod bright;
 mod clipped;
 mod defocus;
 mod distortion;

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Optic;
-use super::clipped::runs_with;
+use super::bright::runs_with;
 use crate::environment::Rgb;
 use crate::pyramid::Cells;
 
