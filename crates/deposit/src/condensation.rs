@@ -71,7 +71,7 @@ impl Condensation {
     fn drops_of(&self, volume: f64, [times, heat]: [f64; 2]) -> Dew {
         let grows_s = self.age_s.min(self.clears_from_s);
         let film_m = (self.growth_m_s * grows_s * times).max(0.0);
-        // r³ of drops that have not merged, and the most of r²: most have, and a root takes most of the time.
+        // r³ of drops that have not merged, and the most of r²: the root of r³, which takes long, is of these alone.
         let cubed_m3 = film_m / (self.nuclei_per_m2 * volume);
         let merged_m2 = MOST_COVERED / (self.nuclei_per_m2 * PI);
         let (covered, radius_m) = if cubed_m3 * cubed_m3 < cubed(merged_m2) {

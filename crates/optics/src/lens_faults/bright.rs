@@ -109,6 +109,18 @@ pub(super) struct Bright {
     pub(super) size: (usize, usize),
 }
 
+/// Those of some values, one for each pixel of some runs, that are of each run.
+pub(super) fn by_run<'a, T>(
+    runs: &[Range<usize>],
+    values: &'a [T],
+) -> impl Iterator<Item = &'a [T]> {
+    runs.iter().scan(values, |rest, run| {
+        let (of_run, later) = rest.split_at(run.len());
+        *rest = later;
+        Some(of_run)
+    })
+}
+
 /// Farther than any pixel is from another, in steps, and far from the largest number.
 const FAR: u32 = 1 << 28;
 
@@ -167,13 +179,11 @@ impl Bright {
     ) -> (Vec<Region>, Vec<usize>) {
         let of_runs = self.joined();
         let mut regions = vec![Region::default(); self.runs.len()];
-        let mut rest = depths;
-        for (run, of) in self.runs.iter().zip(&of_runs) {
-            let (of_run, later) = rest.split_at(run.len());
-            rest = later;
+        let runs = self.runs.iter().zip(by_run(&self.runs, depths));
+        for ((run, depths), of) in runs.zip(&of_runs) {
             let region = &mut regions[*of];
             region.n_pixels += run.len();
-            region.depth = of_run.iter().fold(region.depth, |a, b| a.max(*b));
+            region.depth = depths.iter().fold(region.depth, |a, b| a.max(*b));
             let mut pixels = light[run.clone()].iter();
             region.is_clipped |= pixels.any(|pixel| brightest(pixel) >= CLIPPED);
         }
@@ -221,33 +231,25 @@ impl Bright {
             let run = rows[y] + runs.partition_point(|run| run.end <= at);
             of_runs[run]
         };
-        let mut rest = depths;
-        for (y, row) in rows.windows(2).enumerate() {
-            for (run, own) in self.runs[row[0]..row[1]].iter().zip(&of_runs[row[0]..]) {
-                let (of_run, later) = rest.split_at(run.len());
-                rest = later;
-                if !regions[*own].is_clipped {
+        let runs = self.runs.iter().zip(by_run(&self.runs, depths));
+        for ((run, depths), own) in runs.zip(of_runs) {
+            if !regions[*own].is_clipped {
+                continue;
+            }
+            let (left, y) = (run.start % width, run.start / width);
+            let border = (left..).zip(depths).filter(|(_, it)| **it <= STEPS[0]);
+            for (x, [right, down]) in border.flat_map(|(x, _)| around.map(|way| (x, way))) {
+                let column = x.checked_add_signed(right).filter(|it| *it < width);
+                let row = y.checked_add_signed(down).filter(|it| *it < height);
+                let Some((column, row)) = column.zip(row) else {
                     continue;
-                }
-                let at_border = run.clone().zip(of_run).filter(|(_, it)| **it <= STEPS[0]);
-                for (at, _) in at_border {
-                    for [right, down] in around {
-                        let column = (at - y * width).checked_add_signed(right);
-                        let row = y.checked_add_signed(down);
-                        let (Some(column), Some(row)) = (column, row) else {
-                            continue;
-                        };
-                        if column >= width || row >= height {
-                            continue;
-                        }
-                        let there = row * width + column;
-                        let light = brightest(&light[there]);
-                        if light < BORDER || region_at(there, row) != *own {
-                            let around = &mut regions[*own].around;
-                            around.0 += light;
-                            around.1 += 1;
-                        }
-                    }
+                };
+                let there = row * width + column;
+                let light = brightest(&light[there]);
+                if light < BORDER || region_at(there, row) != *own {
+                    let around = &mut regions[*own].around;
+                    around.0 += light;
+                    around.1 += 1;
                 }
             }
         }

@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use super::bright::{BORDER, Bright, CLIPPED, Region, STEPS, brightest, runs_with};
+use super::bright::{BORDER, Bright, CLIPPED, Region, STEPS, brightest, by_run, runs_with};
 use crate::pyramid::vectorized;
 
 /// Share of the frame that a lamp may have for all of the headroom, and px, if that is more. FIT.
@@ -89,28 +89,23 @@ fn unclip_of<const COLORS: usize>(
             }
         })
         .collect();
-    let mut depths = &*depths;
-    let mut brighter = bright.runs;
-    let mut of_runs = of_runs.into_iter();
-    brighter.retain(|run| {
-        let (of_run, rest) = depths.split_at(run.len());
-        depths = rest;
-        let region = of_runs.next().unwrap_or(0);
-        if gains[region] <= 0.0 {
-            return false;
+    let mut brighter = Vec::new();
+    let runs = by_run(&bright.runs, &depths).zip(of_runs);
+    for (run, (depths, region)) in bright.runs.iter().zip(runs) {
+        if gains[region] > 0.0 {
+            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+            let deep = (regions[region].depth as f32).min(deepest);
+            brighten(&mut light[run.clone()], (depths, deep), gains[region]);
+            brighter.push(run.clone());
         }
-        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let most = (regions[region].depth as f32).min(deepest);
-        brighten(&mut light[run.clone()], (of_run, most), gains[region]);
-        true
-    });
+    }
     brighter
 }
 
-/// Makes the pixels of a run brighter: by a factor of at most 1 and so much more where they are as deep as that.
+/// Makes the pixels of a run brighter: by a factor of at most 1 and so much more, at a depth and beyond it.
 fn brighten<const COLORS: usize>(
     pixels: &mut [[f32; COLORS]],
-    (depths, deepest): (&[u32], f32),
+    (depths, deep): (&[u32], f32),
     most: f32,
 ) {
     /// Pixels that are looked at together.
@@ -127,7 +122,7 @@ fn brighten<const COLORS: usize>(
                         colors[c][k] = pixel[c];
                     }
                     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                    let part = (*depth as f32 / deepest).min(1.0);
+                    let part = (*depth as f32 / deep).min(1.0);
                     more[k] = most * part * part;
                 }
                 brighten_side_by_side(&mut colors, &more);
