@@ -1,5 +1,11 @@
 //! A part of a pane.
 
+use rand_chacha::ChaCha8Rng;
+use starbreak_seed::uniform;
+
+/// How often a place is drawn until one is not cut off.
+const MOST_DRAWS: u32 = 1000;
+
 /// A part of a pane: a rectangle, of which the upper corners may be cut off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
@@ -63,6 +69,20 @@ impl Area {
     pub fn holds(&self, at_mm: [f64; 2]) -> bool {
         let [left, right] = self.across_mm(at_mm[1]);
         (left..right).contains(&at_mm[0]) && (self.from_mm[1]..self.to_mm[1]).contains(&at_mm[1])
+    }
+
+    /// A place in it, mm: each as likely as any other.
+    pub(crate) fn place(&self, rng: &mut ChaCha8Rng) -> [f64; 2] {
+        let sides = self.sides_mm();
+        let mut at_mm = self.from_mm;
+        // What is cut off is seldom more than half of it.
+        for _ in 0..MOST_DRAWS {
+            at_mm = [0, 1].map(|k| self.from_mm[k] + sides[k] * uniform(rng));
+            if self.holds(at_mm) {
+                break;
+            }
+        }
+        at_mm
     }
 
     /// Whether a place is in it, or may be so near, mm.

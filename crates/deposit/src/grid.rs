@@ -18,6 +18,8 @@ pub(crate) struct Known {
     pub(crate) at_mm: [f64; 2],
     pub(crate) radius_mm: f64,
     pub(crate) number: u32,
+    /// Whether it may be farther on by now.
+    pub(crate) runs: bool,
 }
 
 /// Drops by their size and by the cell of their middle.
@@ -239,6 +241,7 @@ mod tests {
             at_mm: [40.0 * u * u, 30.0 * v * v],
             radius_mm: 0.1 + 3.0 * w * w * w,
             number,
+            runs: false,
         }
     }
 

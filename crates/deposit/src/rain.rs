@@ -11,6 +11,7 @@ use crate::cap::volume_per_cubed_radius;
 use crate::wiper::Pass;
 use crate::{Area, Deposit, Wiper};
 
+use shower::Falls;
 pub use shower::Shower;
 
 /// Surface tension of water at 20 °C, N/m.
@@ -223,10 +224,10 @@ impl Rain {
     }
 
     /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
-    /// later age only adds to what was there.
+    /// later age goes on from what was there.
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
-        Shower::of(*self, *area, seed).at(self.age_s)
+        Falls::of(*self, *area, seed).at(self.age_s)
     }
 }
 

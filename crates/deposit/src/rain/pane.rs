@@ -1,8 +1,11 @@
 //! A pane while it rains: drops land, merge, run and leave others behind.
 
+use std::collections::BTreeMap;
+
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::uniform;
 
+use super::shower::Landing;
 use super::{Rain, cubed};
 use crate::cap::volume_per_cubed_radius;
 use crate::grid::{Grid, Known};
@@ -23,14 +26,22 @@ const STOPS_AT: f64 = 0.85;
 /// Most drops for which room is made before they land.
 const MOST_AWAITED: f64 = 1e6;
 
-/// A drop that lies on a pane.
+/// A drop on a pane. One that runs is where it began its step.
 #[derive(Debug, Clone, Copy)]
 struct Lying {
     at_mm: [f64; 2],
     radius_mm: f64,
     outline: Lies,
+    runs: Option<Step>,
     /// How many were put on the pane before it.
     put: u64,
+}
+
+/// A step of a drop that runs: down (1) or up (−1), and when it is done, s of the pane's age.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    goes: f64,
+    done_s: f64,
 }
 
 /// How far a drop is from round: as it is known, or as what it was left with makes it.
@@ -46,19 +57,22 @@ impl Lying {
             at_mm: self.at_mm,
             radius_mm: self.radius_mm,
             number,
+            runs: self.runs.is_some(),
         }
+    }
+
+    /// How far one that runs has come in its step at an age, mm: downwards, or upwards if below 0.
+    fn gone_mm(&self, age_s: f64) -> f64 {
+        self.runs.map_or(0.0, |Step { goes, done_s }| {
+            let full_mm = step_mm(self.radius_mm);
+            goes * (full_mm - RUN_M_S * 1e3 * (done_s - age_s)).clamp(0.0, full_mm)
+        })
     }
 }
 
-/// What is done to a pane.
-#[derive(Debug, Clone, Copy)]
-enum Change {
-    /// A drop is put into a place, which may be a new one.
-    Put {
-        number: u32,
-        is_new: bool,
-    },
-    Cleared(Known, Option<Lying>),
+/// From one drop that a drop of a radius leaves behind to the next, mm.
+fn step_mm(radius_mm: f64) -> f64 {
+    TRAIL_STEP * radius_mm
 }
 
 /// A pane while it rains.
@@ -74,8 +88,9 @@ pub(super) struct Pane {
     drops: Vec<Option<Lying>>,
     free: Vec<u32>,
     n_put: u64,
-    /// Since the last drop landed.
-    changes: Vec<Change>,
+    /// Those that run, by when they have gone a step (as bits, which are in the order of what is above 0) and their place, with
+    /// what they draw from.
+    running: BTreeMap<(u64, u32), ChaCha8Rng>,
     /// Of a drop: all have the same contact angle.
     volume_per_cubed_radius: f64,
 }
@@ -98,70 +113,147 @@ impl Pane {
             drops: Vec::with_capacity(n_awaited),
             free: Vec::new(),
             n_put: 0,
-            changes: Vec::new(),
+            running: BTreeMap::new(),
             volume_per_cubed_radius: volume_per_cubed_radius(rain.contact_rad),
         }
     }
 
-    /// The drops that lie there.
-    pub(super) fn caps(&self) -> Vec<Cap> {
-        let drops = self.drops.iter().flatten();
-        drops.map(|lying| self.cap(lying)).collect()
+    /// The drops that are there at an age to which all have run, s.
+    pub(super) fn caps(&self, age_s: f64) -> Vec<Cap> {
+        // Those that run have gone a part of their step, and taken up what was in their way.
+        let mut changed: BTreeMap<u32, Option<Cap>> = BTreeMap::new();
+        for (_, number) in self.running.keys() {
+            let lying = self.drops[*number as usize].as_ref();
+            let Some(lying) = lying.filter(|_| !changed.contains_key(number)) else {
+                continue;
+            };
+            let (cap, gone_mm) = (self.cap(lying, lying.at_mm), lying.gone_mm(age_s));
+            changed.insert(*number, None);
+            let mut in_way = self.in_way(&cap, gone_mm);
+            in_way.retain(|known| !changed.contains_key(&known.number));
+            changed.extend(in_way.iter().map(|known| (known.number, None)));
+            changed.insert(*number, self.gone(&cap, gone_mm, &in_way));
+        }
+        let mut changed = changed.into_iter().peekable();
+        let mut caps = Vec::with_capacity(self.drops.len());
+        for (number, lying) in (0..).zip(&self.drops) {
+            caps.extend(match changed.next_if(|(of, _)| *of == number) {
+                Some((_, cap)) => cap,
+                None => (lying.as_ref()).map(|lying| self.cap(lying, lying.at_mm)),
+            });
+        }
+        caps
     }
 
-    /// A drop lands, takes up what it touches, and runs for so long if it is too heavy then. Whether it has come to rest, or
-    /// has left the area: then it is so after any longer time.
-    pub(super) fn lands(
-        &mut self,
-        at_mm: [f64; 2],
-        volume_mm3: f64,
-        (runs_s, mut trail): (f64, ChaCha8Rng),
-    ) -> bool {
-        self.changes.clear();
+    /// A drop lands at an age to which all have run, takes up what it touches, and begins to run if it is too heavy then: it
+    /// is given what it will draw from.
+    pub(super) fn lands(&mut self, landing: &Landing, trail: impl FnOnce() -> ChaCha8Rng) {
         let mut cap = Cap {
-            outline: Outline::fallen(&Drawn::by(&mut trail), self.most_bulges),
-            ..self.round(at_mm, volume_mm3)
+            outline: Outline::fallen(&landing.drawn, self.most_bulges),
+            ..self.round(landing.at_mm, landing.volume_mm3)
         };
-        self.take_up(&mut cap);
-        let mut left_mm = RUN_M_S * runs_s * 1e3;
-        let mut has_run = false;
-        while left_mm > 0.0
-            && let Some(goes) = self.runs(&cap)
-        {
-            has_run = true;
-            match self.run(&mut cap, (goes, left_mm), &mut trail) {
-                Some(left) => left_mm = left,
-                None => return true,
-            }
-        }
-        self.put(&cap, Lies::Known(cap.outline));
-        left_mm > 0.0 || !has_run && self.runs(&cap).is_none()
+        self.take_up(&mut cap, landing.time_s);
+        self.leave(&cap, landing.time_s, trail);
     }
 
-    /// As if the last drop had not landed.
-    pub(super) fn take_back(&mut self) {
-        while let Some(change) = self.changes.pop() {
-            match change {
-                Change::Put { number, is_new } => {
-                    self.n_put -= 1;
-                    let lying = match is_new {
-                        true => self.drops.pop().flatten(),
-                        false => {
-                            self.free.push(number);
-                            self.drops[number as usize].take()
-                        }
-                    };
-                    if let Some(lying) = lying {
-                        self.grid.remove(&lying.known(number));
-                    }
-                }
-                Change::Cleared(known, lying) => {
-                    self.free.pop();
-                    self.drops[known.number as usize] = lying;
-                    self.grid.add(known);
-                }
+    /// Lets those that run go on to an age, s, step by step, each at its time.
+    pub(super) fn run(&mut self, age_s: f64) {
+        while let Some(first) = self.running.first_entry()
+            && f64::from_bits(first.key().0) <= age_s
+        {
+            let ((_, number), trail) = first.remove_entry();
+            if let Some(lying) = self.drops[number as usize]
+                && let Some(step) = lying.runs
+            {
+                self.clear(&lying.known(number));
+                self.step(&self.cap(&lying, lying.at_mm), step, trail);
             }
         }
+    }
+
+    /// A drop has gone a step: it has taken up what was in its way, and leaves a small drop behind, until it is small enough to
+    /// hold.
+    fn step(&mut self, before: &Cap, Step { goes, done_s }: Step, mut trail: ChaCha8Rng) {
+        let by_mm = goes * step_mm(before.radius_mm);
+        let in_way = self.in_way(before, by_mm);
+        for known in &in_way {
+            self.clear(known);
+        }
+        let Some(cap) = self.gone(before, by_mm, &in_way) else {
+            return;
+        };
+        let [u, v, w] = [
+            uniform(&mut trail),
+            uniform(&mut trail),
+            uniform(&mut trail),
+        ];
+        let small = Cap {
+            at_mm: [
+                before.at_mm[0] + 0.3 * before.radius_mm * (2.0 * v - 1.0),
+                before.at_mm[1] - goes * 0.3 * before.radius_mm * w,
+            ],
+            radius_mm: TRAIL_RADIUS * before.radius_mm * (0.35 + 0.65 * u),
+            ..*before
+        };
+        self.put(&small, Lies::Drawn(Drawn::by(&mut trail)), None);
+        let left_mm3 = self.volume_mm3(cap.radius_mm) - self.volume_mm3(small.radius_mm);
+        let mut cap = Cap {
+            outline: cap.outline,
+            ..self.round(cap.at_mm, left_mm3)
+        };
+        let moves_from_mm = if goes < 0.0 {
+            self.driven_from_mm
+        } else {
+            self.runs_from_mm
+        };
+        if cap.radius_mm > STOPS_AT * moves_from_mm {
+            self.begin(&cap, done_s, goes, trail);
+        } else {
+            // Where it stops it may touch others.
+            self.take_up(&mut cap, done_s);
+            self.leave(&cap, done_s, || trail);
+        }
+    }
+
+    /// What is in the way of a drop that moves so far down, or up if it is less than 0, mm.
+    fn in_way(&self, cap: &Cap, by_mm: f64) -> Vec<Known> {
+        let [x, from] = cap.at_mm;
+        let [low, high] = [from.min(from + by_mm), from.max(from + by_mm)];
+        self.near(([x, low], [x, high]), cap.radius_mm, |other| {
+            let dx = other.at_mm[0] - x;
+            let dy = other.at_mm[1] - other.at_mm[1].clamp(low, high);
+            let sum = cap.radius_mm + 0.5 * other.radius_mm;
+            dx * dx + dy * dy < sum * sum
+        })
+    }
+
+    /// A drop that has moved and taken up what was in its way; none where it has left the area.
+    fn gone(&self, cap: &Cap, by_mm: f64, in_way: &[Known]) -> Option<Cap> {
+        let at_mm = [cap.at_mm[0], cap.at_mm[1] + by_mm];
+        let is_on = (self.area.from_mm[1]..self.area.to_mm[1]).contains(&at_mm[1]);
+        let more = in_way.iter().map(|known| self.volume_mm3(known.radius_mm));
+        let volume_mm3 = self.volume_mm3(cap.radius_mm) + more.sum::<f64>();
+        is_on.then(|| Cap {
+            outline: Outline::ran(by_mm.signum(), self.most_bulges),
+            ..self.round(at_mm, volume_mm3)
+        })
+    }
+
+    /// A drop holds where it is, or begins to run.
+    fn leave(&mut self, cap: &Cap, age_s: f64, trail: impl FnOnce() -> ChaCha8Rng) {
+        match self.runs(cap) {
+            Some(goes) => self.begin(cap, age_s, goes, trail()),
+            None => {
+                self.put(cap, Lies::Known(cap.outline), None);
+            }
+        }
+    }
+
+    /// A drop begins a step.
+    fn begin(&mut self, cap: &Cap, age_s: f64, goes: f64, trail: ChaCha8Rng) {
+        let done_s = age_s + step_mm(cap.radius_mm) / (RUN_M_S * 1e3);
+        let number = self.put(cap, Lies::Known(cap.outline), Some(Step { goes, done_s }));
+        self.running.insert((done_s.to_bits(), number), trail);
     }
 
     /// A round drop: [`Cap::of_volume`], without the angles, which take most of its time.
@@ -190,9 +282,8 @@ impl Pane {
         }
     }
 
-    fn put(&mut self, cap: &Cap, outline: Lies) {
-        let freed = self.free.pop();
-        let number = freed.unwrap_or_else(|| {
+    fn put(&mut self, cap: &Cap, outline: Lies, runs: Option<Step>) -> u32 {
+        let number = self.free.pop().unwrap_or_else(|| {
             self.drops.push(None);
             u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
         });
@@ -200,29 +291,33 @@ impl Pane {
             at_mm: cap.at_mm,
             radius_mm: cap.radius_mm,
             outline,
+            runs,
             put: self.n_put,
         };
         self.grid.add(lying.known(number));
         self.drops[number as usize] = Some(lying);
         self.n_put += 1;
-        let is_new = freed.is_none();
-        self.changes.push(Change::Put { number, is_new });
+        number
     }
 
     /// Takes up all drops that a drop touches, until it touches none: one of all their water, at their center of mass.
-    fn take_up(&mut self, cap: &mut Cap) {
+    fn take_up(&mut self, cap: &mut Cap, age_s: f64) {
         loop {
             let touched = self.near((cap.at_mm, cap.at_mm), cap.radius_mm, |other| {
-                let [dx, dy] = [0, 1].map(|k| other.at_mm[k] - cap.at_mm[k]);
-                let sum = cap.radius_mm + other.radius_mm;
-                dx * dx + dy * dy < sum * sum
+                let touches_at = |at_mm: [f64; 2]| {
+                    let [dx, dy] = [0, 1].map(|k| at_mm[k] - cap.at_mm[k]);
+                    let sum = cap.radius_mm + other.radius_mm;
+                    dx * dx + dy * dy < sum * sum
+                };
+                // What it passed in its step, or comes to, is in its way when that is done.
+                touches_at(other.at_mm) && (!other.runs || touches_at(self.is_at(other, age_s)))
             });
             if touched.is_empty() {
                 return;
             }
             let touched: Vec<Cap> = touched
                 .iter()
-                .filter_map(|known| self.take(known))
+                .filter_map(|known| self.take(known, age_s))
                 .collect();
             for other in touched {
                 let [own, more] = [*cap, other].map(|cap| self.volume_mm3(cap.radius_mm));
@@ -235,67 +330,6 @@ impl Pane {
                 };
             }
         }
-    }
-
-    /// A drop runs downhill (1) or uphill (−1) by so many mm at most. It takes up what is in its way and leaves small
-    /// drops behind, until it is small enough to hold. How far it could still go; none where it has left the area.
-    fn run(
-        &mut self,
-        cap: &mut Cap,
-        (goes, mut left_mm): (f64, f64),
-        trail: &mut ChaCha8Rng,
-    ) -> Option<f64> {
-        let moves_from_mm = if goes < 0.0 {
-            self.driven_from_mm
-        } else {
-            self.runs_from_mm
-        };
-        let stops_mm = STOPS_AT * moves_from_mm;
-        while left_mm > 0.0 && cap.radius_mm > stops_mm {
-            let full_mm = TRAIL_STEP * cap.radius_mm;
-            let step_mm = full_mm.min(left_mm);
-            left_mm -= step_mm;
-            let from = cap.at_mm;
-            cap.at_mm[1] += goes * step_mm;
-            if !(self.area.from_mm[1]..self.area.to_mm[1]).contains(&cap.at_mm[1]) {
-                return None;
-            }
-            // What is in its way.
-            let [low, high] = [from[1].min(cap.at_mm[1]), from[1].max(cap.at_mm[1])];
-            let way = ([cap.at_mm[0], low], [cap.at_mm[0], high]);
-            let in_way = self.near(way, cap.radius_mm, |other| {
-                let dx = other.at_mm[0] - cap.at_mm[0];
-                let dy = other.at_mm[1] - other.at_mm[1].clamp(low, high);
-                let sum = cap.radius_mm + 0.5 * other.radius_mm;
-                dx * dx + dy * dy < sum * sum
-            });
-            let mut volume = self.volume_mm3(cap.radius_mm);
-            let more = in_way.iter().map(|known| self.volume_mm3(known.radius_mm));
-            volume += more.sum::<f64>();
-            in_way.iter().for_each(|known| self.clear(known));
-            // What stays behind.
-            let [u, v, w] = [uniform(trail), uniform(trail), uniform(trail)];
-            let small_mm = TRAIL_RADIUS * cap.radius_mm * (0.35 + 0.65 * u);
-            let small = Cap {
-                at_mm: [
-                    from[0] + 0.3 * cap.radius_mm * (2.0 * v - 1.0),
-                    from[1] - goes * 0.3 * cap.radius_mm * w,
-                ],
-                radius_mm: small_mm,
-                contact_rad: cap.contact_rad,
-                outline: Outline::default(),
-            };
-            let drawn = Drawn::by(trail);
-            if step_mm >= full_mm {
-                volume -= self.volume_mm3(small_mm);
-                self.put(&small, Lies::Drawn(drawn));
-            }
-            *cap = self.round(cap.at_mm, volume);
-        }
-        cap.outline = Outline::ran(goes, self.most_bulges);
-        // Where it stops it may touch others.
-        self.take_up(cap);
-        Some(left_mm)
     }
 
     /// The drops about a rectangle that are as asked, and reach to within a distance of it at least. They come in an order
@@ -322,9 +356,16 @@ impl Pane {
         found
     }
 
-    fn cap(&self, lying: &Lying) -> Cap {
+    /// Where a drop is at an age, mm.
+    fn is_at(&self, known: &Known, age_s: f64) -> [f64; 2] {
+        let lying = self.drops[known.number as usize].as_ref();
+        let gone_mm = lying.map_or(0.0, |lying| lying.gone_mm(age_s));
+        [known.at_mm[0], known.at_mm[1] + gone_mm]
+    }
+
+    fn cap(&self, lying: &Lying, at_mm: [f64; 2]) -> Cap {
         Cap {
-            at_mm: lying.at_mm,
+            at_mm,
             radius_mm: lying.radius_mm,
             contact_rad: self.rain.contact_rad,
             outline: match &lying.outline {
@@ -334,17 +375,75 @@ impl Pane {
         }
     }
 
-    /// Takes a drop off the pane.
-    fn take(&mut self, known: &Known) -> Option<Cap> {
-        let lying = self.drops[known.number as usize];
-        self.clear(known);
-        lying.map(|lying| self.cap(&lying))
+    /// Takes a drop off the pane, from where it is at an age.
+    fn take(&mut self, known: &Known, age_s: f64) -> Option<Cap> {
+        let at_mm = self.is_at(known, age_s);
+        let lying = self.clear(known);
+        lying.map(|lying| self.cap(&lying, at_mm))
     }
 
-    fn clear(&mut self, known: &Known) {
+    fn clear(&mut self, known: &Known) -> Option<Lying> {
         let lying = self.drops[known.number as usize].take();
-        self.changes.push(Change::Cleared(*known, lying));
+        if let Some(Step { done_s, .. }) = lying.and_then(|lying| lying.runs) {
+            self.running.remove(&(done_s.to_bits(), known.number));
+        }
         self.grid.remove(known);
         self.free.push(known.number);
+        lying
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use starbreak_seed::{Seed, Stream};
+
+    use super::*;
+
+    #[test]
+    fn what_lands_meets_a_drop_that_runs_where_it_is_by_then() {
+        // Upright glass at rest: all runs down. It has gone 5 mm of its step of 6.6.
+        let rain = Rain {
+            slope_rad: std::f64::consts::FRAC_PI_2,
+            speed_m_s: 0.0,
+            ..Rain::default()
+        };
+        let lands = |pane: &mut Pane, time_s: f64, down_mm: f64, radius_mm: f64| {
+            let mut rng = Seed(1).stream(Stream::Rain, 1);
+            let landing = Landing {
+                time_s,
+                at_mm: [50.0, down_mm],
+                volume_mm3: pane.volume_mm3(radius_mm),
+                drawn: Drawn::by(&mut rng),
+            };
+            pane.run(time_s);
+            pane.lands(&landing, || rng);
+        };
+        let mut running = Pane::dry(rain, Area::rectangle([0.0; 2], [100.0; 2]));
+        lands(&mut running, 0.0, 20.0, 3.0);
+        for (lands_mm, n_drops, most_mm) in [
+            // Where it was, where it is, and where it comes to.
+            (20.0, 1, 25.0),
+            (25.5, 1, 25.1),
+            (29.0, 2, 25.0),
+        ] {
+            let mut pane = running.clone();
+            lands(&mut pane, 0.05, lands_mm, 0.5);
+            let drops = pane.caps(0.05);
+            assert_eq!(drops.len(), n_drops, "at {lands_mm} mm: {drops:?}");
+            let [_, down_mm] = drops[0].at_mm;
+            assert!(
+                (25.0 - 1e-9..=most_mm + 1e-9).contains(&down_mm),
+                "at {lands_mm} mm: the large one is at {down_mm} mm"
+            );
+            // Whatever comes of them, the water is there: a step later in the large one and in what it left behind.
+            pane.run(0.07);
+            let drops = pane.caps(0.07);
+            let water_mm3: f64 = drops.iter().map(Cap::volume_mm3).sum();
+            let fell_mm3 = pane.volume_mm3(3.0) + pane.volume_mm3(0.5);
+            assert!(
+                (water_mm3 / fell_mm3 - 1.0).abs() < 1e-9,
+                "at {lands_mm} mm: {water_mm3} of {fell_mm3} mm³"
+            );
+        }
     }
 }

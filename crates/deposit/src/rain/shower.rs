@@ -7,6 +7,7 @@ use starbreak_seed::{Seed, Stream, uniform};
 
 use super::pane::Pane;
 use super::{Impacts, Rain, cubed};
+use crate::outline::Drawn;
 use crate::{Area, Deposit};
 
 /// So much of the last rain can still be asked for at earlier ages than the latest, s: frames of a clip that are shown side
@@ -15,56 +16,56 @@ const LATE_S: f64 = 0.25;
 
 /// Rain on an area of a pane at one age after the other: what [`Rain::on_pane`] gives, without all the rain before.
 ///
-/// Drops that have come to rest are kept with all that came before them; the first that might still run at a later age, and
-/// what fell after it, falls anew each time. So an age takes what has rained since, and a quarter of a second of rain.
+/// Drops land and run at their times, so that a later age goes on from what was there at the latest that was asked for. An
+/// earlier one goes on from what was there a quarter of a second before that; what is earlier still begins anew.
 #[derive(Debug, Clone)]
 pub struct Shower {
+    falls: Falls,
+    late: Past,
+    latest: Past,
+}
+
+/// What falls.
+#[derive(Debug, Clone)]
+pub(super) struct Falls {
     rain: Rain,
     area: Area,
     seed: Seed,
     impacts: Impacts,
-    /// Drops that land in a second on its rectangle: of corners that are cut off nothing more is asked.
+    /// Drops that land in a second.
     per_s: f64,
+}
+
+/// What has fallen, up to an age.
+#[derive(Debug, Clone)]
+struct Past {
+    age_s: f64,
     pane: Pane,
     rng: ChaCha8Rng,
     /// The next drop, and how many landed before it.
     next: Landing,
     n_landed: u64,
-    /// Latest age at which it came to rest, s.
-    rests_s: f64,
 }
 
 /// A drop that lands.
 #[derive(Debug, Clone, Copy)]
-struct Landing {
-    time_s: f64,
-    at_mm: [f64; 2],
-    volume_mm3: f64,
+pub(super) struct Landing {
+    pub(super) time_s: f64,
+    pub(super) at_mm: [f64; 2],
+    pub(super) volume_mm3: f64,
+    pub(super) drawn: Drawn,
 }
 
 impl Shower {
     /// A dry pane, with the rain that will fall on it; its age does not count.
     #[must_use]
     pub fn of(rain: Rain, area: Area, seed: Seed) -> Self {
-        let impacts = rain.impacts();
-        let per_s = if rain.rate_m_s > 0.0 {
-            impacts.all * area.rectangle_m2()
-        } else {
-            0.0
-        };
-        let mut rng = seed.stream(Stream::Rain, 0);
-        let next = impacts.landing((0.0, per_s), &area, &mut rng);
+        let falls = Falls::of(rain, area, seed);
+        let dry = falls.dry();
         Self {
-            rain,
-            area,
-            seed,
-            pane: Pane::dry(rain, area),
-            impacts,
-            per_s,
-            rng,
-            next,
-            n_landed: 0,
-            rests_s: 0.0,
+            falls,
+            late: dry.clone(),
+            latest: dry,
         }
     }
 
@@ -72,65 +73,101 @@ impl Shower {
     #[must_use]
     pub fn is_of(&self, rain: &Rain, area: &Area, seed: Seed) -> bool {
         let age_s = rain.age_s;
-        let own = Rain { age_s, ..self.rain };
-        (own, self.area, self.seed) == (*rain, *area, seed)
-    }
-
-    /// Keeps what has come to rest some time before an age, s.
-    pub fn rest(&mut self, age_s: f64) {
-        let rests_s = age_s - LATE_S;
-        self.go_on(rests_s, true);
-        self.rests_s = self.rests_s.max(rests_s);
+        let falls = &self.falls;
+        let own = Rain {
+            age_s,
+            ..falls.rain
+        };
+        (own, falls.area, falls.seed) == (*rain, *area, seed)
     }
 
     /// What lies on the pane at an age, s.
-    #[must_use]
-    pub fn at(mut self, age_s: f64) -> Deposit {
-        if age_s < self.rests_s {
-            self = Self::of(self.rain, self.area, self.seed);
+    pub fn at(&mut self, age_s: f64) -> Deposit {
+        if age_s < self.late.age_s {
+            self.late = self.falls.dry();
+            self.latest = self.late.clone();
         }
-        self.go_on(age_s, false);
-        Deposit {
-            caps: self.pane.caps(),
+        self.late.go_on(&self.falls, age_s - LATE_S);
+        if self.latest.age_s < self.late.age_s {
+            self.latest = self.late.clone();
         }
-    }
-
-    /// Lets drops land up to an age; may stop before the first that has not come to rest then.
-    fn go_on(&mut self, age_s: f64, stops: bool) {
-        while self.per_s > 0.0 && self.next.time_s <= age_s {
-            let Landing {
-                time_s,
-                at_mm,
-                volume_mm3,
-            } = self.next;
-            if self.area.holds(at_mm) {
-                let trail = self.seed.stream(Stream::Rain, self.n_landed + 1);
-                let rests = self.pane.lands(at_mm, volume_mm3, (age_s - time_s, trail));
-                if stops && !rests {
-                    self.pane.take_back();
-                    return;
-                }
-            }
-            self.n_landed += 1;
-            self.next = (self.impacts).landing((time_s, self.per_s), &self.area, &mut self.rng);
+        if self.latest.age_s <= age_s {
+            self.latest.go_on(&self.falls, age_s);
+            return self.latest.deposit();
         }
+        let mut earlier = self.late.clone();
+        earlier.go_on(&self.falls, age_s);
+        earlier.deposit()
     }
 }
 
-impl Impacts {
-    /// The drop that lands after a time, s, of so many in a second.
-    fn landing(&self, (time_s, per_s): (f64, f64), area: &Area, rng: &mut ChaCha8Rng) -> Landing {
-        let [width, height] = area.sides_mm();
-        let time_s = time_s - libm::log(1.0 - uniform(rng)) / per_s;
-        let at_mm = [
-            area.from_mm[0] + width * uniform(rng),
-            area.from_mm[1] + height * uniform(rng),
-        ];
-        let diameter_mm = self.diameter_mm(uniform(rng));
+impl Falls {
+    pub(super) fn of(rain: Rain, area: Area, seed: Seed) -> Self {
+        let impacts = rain.impacts();
+        let per_s = if rain.rate_m_s > 0.0 {
+            impacts.all * area.area_m2()
+        } else {
+            0.0
+        };
+        Self {
+            rain,
+            area,
+            seed,
+            impacts,
+            per_s,
+        }
+    }
+
+    fn dry(&self) -> Past {
+        let mut rng = self.seed.stream(Stream::Rain, 0);
+        Past {
+            age_s: 0.0,
+            pane: Pane::dry(self.rain, self.area),
+            next: self.landing(0.0, &mut rng),
+            rng,
+            n_landed: 0,
+        }
+    }
+
+    /// The drop that lands next after a time, s.
+    fn landing(&self, time_s: f64, rng: &mut ChaCha8Rng) -> Landing {
+        let time_s = time_s - libm::log(1.0 - uniform(rng)) / self.per_s;
+        let at_mm = self.area.place(rng);
+        let diameter_mm = self.impacts.diameter_mm(uniform(rng));
         Landing {
             time_s,
             at_mm,
             volume_mm3: PI / 6.0 * cubed(diameter_mm),
+            drawn: Drawn::by(rng),
+        }
+    }
+
+    /// What lies on the pane at an age, s, if nothing more is asked.
+    pub(super) fn at(&self, age_s: f64) -> Deposit {
+        let mut past = self.dry();
+        past.go_on(self, age_s);
+        past.deposit()
+    }
+}
+
+impl Past {
+    /// Lets drops land and run up to an age, s.
+    fn go_on(&mut self, falls: &Falls, age_s: f64) {
+        while falls.per_s > 0.0 && self.next.time_s <= age_s {
+            let landing = falls.landing(self.next.time_s, &mut self.rng);
+            let landing = std::mem::replace(&mut self.next, landing);
+            self.n_landed += 1;
+            self.pane.run(landing.time_s);
+            self.pane
+                .lands(&landing, || falls.seed.stream(Stream::Rain, self.n_landed));
+        }
+        self.pane.run(age_s);
+        self.age_s = self.age_s.max(age_s);
+    }
+
+    fn deposit(&self) -> Deposit {
+        Deposit {
+            caps: self.pane.caps(self.age_s),
         }
     }
 }

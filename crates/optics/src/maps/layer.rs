@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use super::active::{Active, Coverage};
 use super::cells::Row;
-use super::drawn::{Drawing, Drawn};
+use super::drawn::{Drawing, Reaching};
 use super::emit::Emitter;
 use super::kernel::{Kernel, Pupil};
 use super::lane_runs::{CHUNK, LaneRuns};
@@ -46,7 +46,7 @@ const BLOCK: usize = 16;
 /// all other lanes, to sum to at most 1.
 pub(crate) fn spread<const L: usize>(
     facets: &[Facet<L>],
-    drawn: &[&dyn Drawn<L>],
+    drawn: &[Reaching<'_, L>],
     n_shares: usize,
     pupil: Pupil,
     size: (usize, usize),
@@ -63,7 +63,7 @@ pub(crate) fn spread<const L: usize>(
 /// The same on the cells that are chosen for a radius, px: those of facets, and of what is drawn.
 fn spread_on<const L: usize>(
     [of_facet, of_drawn]: [impl Fn(f64) -> Level; 2],
-    (facets, drawn): (&[Facet<L>], &[&dyn Drawn<L>]),
+    (facets, drawn): (&[Facet<L>], &[Reaching<'_, L>]),
     n_shares: usize,
     pupil: Pupil,
     (width, height): (usize, usize),
@@ -78,8 +78,8 @@ fn spread_on<const L: usize>(
         levels.entry(level).or_default().0.push(facet);
     }
     for drawn in drawn {
-        let level = of_drawn(drawn.radius_px());
-        levels.entry(level).or_default().1.push(*drawn);
+        let level = of_drawn(drawn.0.radius_px);
+        levels.entry(level).or_default().1.push(drawn);
     }
     for (level, things) in levels {
         let layer = Layer::new(level, &things, n_shares, pupil, (width, height));
@@ -94,7 +94,7 @@ fn spread_on<const L: usize>(
 }
 
 /// Facets, and what is drawn.
-type Things<'a, const L: usize> = (Vec<&'a Facet<L>>, Vec<&'a dyn Drawn<L>>);
+type Things<'a, const L: usize> = (Vec<&'a Facet<L>>, Vec<&'a Reaching<'a, L>>);
 
 /// All rows of a layer, compiled once more for processors with AVX2, as far as it is inlined. No
 /// result depends on it: nothing is fused.
@@ -178,7 +178,7 @@ impl<const L: usize> Layer<L> {
         let exponent = level.exponent;
         let scale = libm::scalbn(1.0, exponent);
         let radii = facets.iter().map(|facet| facet.radius_px);
-        let radii = radii.chain(drawn.iter().map(|drawn| drawn.radius_px()));
+        let radii = radii.chain(drawn.iter().map(|(reaches, _)| reaches.radius_px));
         let (kernels, kernel_of) = kernels_of(scale, radii, pupil);
         let reach = kernels.iter().map(Kernel::reach).max().unwrap_or(0);
         // A whole number of px, and of cells.
@@ -237,8 +237,7 @@ impl<const L: usize> Layer<L> {
             (self.columns * per_cell, fine_rows),
         );
         let mut waiting = waiting.iter().peekable();
-        let kernels = self.kernel_of[facets.len()..].iter().copied();
-        let mut drawing = Drawing::new(drawn.iter().copied().zip(kernels));
+        let mut drawing = Drawing::new(drawn, &self.kernel_of[facets.len()..]);
         let mut active: Vec<Active<L>> = Vec::new();
         let mut spare: Vec<Vec<f32>> = Vec::new();
         let mut coverage = Coverage::new(self.columns * per_cell, self.level);

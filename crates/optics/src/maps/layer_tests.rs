@@ -1,6 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use super::super::drawn::cells_per_px;
+use super::super::drawn::{Drawn, Reaches, cells_per_px};
 use super::*;
 
 /// Share of a disc of radius ρ left of x.
@@ -339,12 +339,11 @@ struct Cells {
 }
 
 impl Drawn<3> for Cells {
-    fn radius_px(&self) -> f64 {
-        self.radius_px
-    }
-
-    fn rows(&self) -> std::ops::Range<i32> {
-        self.rows.clone()
+    fn reaches(&self) -> Reaches {
+        Reaches {
+            radius_px: self.radius_px,
+            rows: self.rows.clone(),
+        }
     }
 
     fn row(&self, _: i32, add: &mut dyn FnMut(i32, [f32; 3])) {
@@ -371,7 +370,8 @@ fn cells_that_are_drawn_spread_as_the_facet_that_covers_them() {
         let beside = strip([[40.0, 4.0], [44.0, 4.0], [44.0, 36.0], [40.0, 36.0]], 1.0);
         let size = (60, 40);
         let one = spread(&[strip(corners, radius_px), beside], &[], 1, triangle, size);
-        let other = spread(&[beside], &[&drawn], 1, triangle, size);
+        let drawn: Reaching<'_, 3> = (drawn.reaches(), &drawn);
+        let other = spread(&[beside], &[drawn], 1, triangle, size);
         let pixels = || (0..60).flat_map(|x| (0..40).map(move |y| (x, y)));
         let most = pixels().map(|(x, y)| pixel(&one, x, y)).fold(0.0, f64::max);
         for (x, y) in pixels() {
@@ -393,8 +393,9 @@ fn what_is_drawn_twice_covers_no_more_than_once() {
             columns: cells(16.0)..cells(24.0),
             rows: cells(16.0)..cells(24.0),
         };
-        let once = spread(&[], &[&drawn], 1, Pupil::Round, (40, 40));
-        let twice = spread(&[], &[&drawn, &drawn], 1, Pupil::Round, (40, 40));
+        let drawn: Reaching<'_, 3> = (drawn.reaches(), &drawn);
+        let once = spread(&[], std::slice::from_ref(&drawn), 1, Pupil::Round, (40, 40));
+        let twice = spread(&[], &[drawn.clone(), drawn], 1, Pupil::Round, (40, 40));
         assert_eq!(once, twice, "R {radius_px}");
     }
 }

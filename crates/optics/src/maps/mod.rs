@@ -17,7 +17,7 @@ mod placed;
 mod raster;
 mod sharp;
 
-pub(crate) use drawn::{Drawn, cells_per_px};
+pub(crate) use drawn::{Drawn, Reaches, Reaching, cells_per_px};
 pub(crate) use kernel::{Kernel, Pupil};
 pub(crate) use lane_runs::{CHUNK, LaneRun, LaneRuns};
 pub(crate) use layer::{Facet, add_arrays, spread};

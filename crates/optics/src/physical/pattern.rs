@@ -12,7 +12,7 @@ use super::{Overlay, PhysicalOptics};
 use crate::environment::{Dashboard, Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
 use crate::lens::Lens;
-use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
+use crate::maps::{CHUNK, Facet, LaneRuns, Pupil, Reaching, cover, spread};
 use crate::surface::{
     Drops, Facets, KeptDrops, LANES, LightFrom, N_SHARES, SeenBy, SheetView, crack_facets,
     fragment_facets, hit_facets,
@@ -201,7 +201,7 @@ impl Pattern {
     fn spread(
         &self,
         facets: &[Facet<LANES>],
-        drawn: &[&dyn Drawn<LANES>],
+        drawn: &[Reaching<'_, LANES>],
         lens: &Lens,
     ) -> LaneRuns<LANES> {
         let size = (self.size.0 as usize, self.size.1 as usize);

@@ -10,7 +10,7 @@ use super::lobe::LANES;
 use super::rays::{MOST, Rays, Seen};
 use super::seen_at::{Extent, SeenAt, least_radius, straight};
 use super::water::Sight;
-use crate::maps::{Drawn, add_arrays};
+use crate::maps::{Drawn, Reaches, add_arrays};
 use crate::number::Number;
 
 /// Least radius of a drop along its shorter side, in rays: where cells are wider, several rays share one, so many along a
@@ -286,12 +286,11 @@ fn rays_of_cell(seen: &SeenAt) -> [u32; 2] {
 const DITHER: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 impl Drawn<LANES> for DrawnDrop<'_> {
-    fn radius_px(&self) -> f64 {
-        self.blur_px
-    }
-
-    fn rows(&self) -> Range<i32> {
-        self.cells(1, &self.rows)
+    fn reaches(&self) -> Reaches {
+        Reaches {
+            radius_px: self.blur_px,
+            rows: self.cells(1, &self.rows),
+        }
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {

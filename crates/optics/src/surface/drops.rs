@@ -6,12 +6,12 @@ use starbreak_deposit::Cap;
 
 use super::drawn_drop::DrawnDrop;
 use super::glimpse::Glimpses;
-use super::kept_drops::{Looked, Shown};
+use super::kept_drops::{Looked, TracedDrop};
 use super::lobe::{LANES, LightFrom};
 use super::seen_at::SeenAt;
 use super::small_drop::SmallDrop;
 use super::water::Water;
-use crate::maps::Drawn;
+use crate::maps::{Drawn, Reaches, Reaching};
 
 /// Farthest from the middle, of the radius, that light is followed.
 pub(super) const RIM: f64 = 0.995;
@@ -22,8 +22,8 @@ pub(super) const LEAST_PX: f64 = 0.12;
 /// Drops as they are drawn: those of which parts are seen, and all others.
 #[derive(Default)]
 pub(crate) struct Drops<'a> {
-    traced: Vec<Seeable<'a>>,
-    small: Vec<Seeable<'a>>,
+    traced: Vec<(Reaches, Seeable<'a>)>,
+    small: Vec<(Reaches, Seeable<'a>)>,
 }
 
 /// A drop that is seen.
@@ -31,7 +31,8 @@ pub(super) enum Seeable<'a> {
     Traced(DrawnDrop<'a>),
     Small(SmallDrop),
     /// As it was seen before.
-    Kept(Arc<Shown>),
+    KeptTraced(Arc<TracedDrop>),
+    KeptSmall(Arc<SmallDrop>),
 }
 
 impl<'a> Drops<'a> {
@@ -49,30 +50,29 @@ impl<'a> Drops<'a> {
             Some(kept) => kept.glimpses.clone(),
             None => Vec::new(),
         };
-        for (k, cap) in caps.iter().enumerate() {
-            let known = kept.as_mut().and_then(|kept| kept.known[k].take());
-            let drop = known.map(Seeable::Kept).or_else(|| {
-                let seen = SeenAt::of(cap, from.sheet, reach_px)?;
-                let small = SmallDrop::of(&seen, |at_px, is_soft| {
-                    let contact = cap.contact_rad.to_bits();
-                    let known = glimpses.iter().position(|(of, _)| *of == contact);
-                    let known = known.unwrap_or_else(|| {
-                        let all = Glimpses::of(&Water::of(cap.contact_rad, from));
-                        glimpses.push((contact, Arc::new(all)));
-                        glimpses.len() - 1
-                    });
-                    glimpses[known].1.at(at_px, is_soft)
+        let mut drop_of = |cap: &Cap| {
+            let seen = SeenAt::of(cap, from.sheet, reach_px)?;
+            let small = SmallDrop::of(&seen, |at_px, is_soft| {
+                let contact = cap.contact_rad.to_bits();
+                let known = glimpses.iter().position(|(of, _)| *of == contact);
+                let known = known.unwrap_or_else(|| {
+                    let all = Glimpses::of(&Water::of(cap.contact_rad, from));
+                    glimpses.push((contact, Arc::new(all)));
+                    glimpses.len() - 1
                 });
-                if let Some(small) = small {
-                    return Some(Seeable::Small(small));
-                }
-                let drop = Drop::of(*cap, from, seen.enters_mm)?;
-                let drawn = DrawnDrop::of(drop, &seen, pupil_reach)?;
-                Some(Seeable::Traced(drawn))
+                glimpses[known].1.at(at_px, is_soft)
             });
+            if let Some(small) = small {
+                return Some((small.reaches(), Seeable::Small(small)));
+            }
+            let drop = Drop::of(*cap, from, seen.enters_mm)?;
+            let drawn = DrawnDrop::of(drop, &seen, pupil_reach)?;
+            Some((drawn.reaches(), Seeable::Traced(drawn)))
+        };
+        for (k, cap) in caps.iter().enumerate() {
             drops.extend(match &mut kept {
-                Some(kept) => kept.keep(cap, drop),
-                None => drop,
+                Some(kept) => kept.keep(k, cap, || drop_of(cap)),
+                None => drop_of(cap),
             });
         }
         if let Some(kept) = kept {
@@ -81,32 +81,30 @@ impl<'a> Drops<'a> {
         drops
     }
 
-    fn extend(&mut self, drop: Option<Seeable<'a>>) {
+    fn extend(&mut self, drop: Option<(Reaches, Seeable<'a>)>) {
         match drop {
             None => {}
-            Some(Seeable::Traced(_)) => self.traced.extend(drop),
-            Some(Seeable::Small(_)) => self.small.extend(drop),
-            Some(Seeable::Kept(ref shown)) => match **shown {
-                Shown::Traced(_) => self.traced.extend(drop),
-                Shown::Small(_) => self.small.extend(drop),
-                Shown::Nothing => {}
-            },
+            Some((_, Seeable::Small(_) | Seeable::KeptSmall(_))) => self.small.extend(drop),
+            Some((_, Seeable::Traced(_) | Seeable::KeptTraced(_))) => self.traced.extend(drop),
         }
     }
 
     /// All, in an order that does not depend on what was kept.
-    pub(crate) fn all(&self) -> Vec<&dyn Drawn<LANES>> {
+    pub(crate) fn all(&self) -> Vec<Reaching<'_, LANES>> {
         let all = self.traced.iter().chain(&self.small);
-        all.filter_map(|drop| match drop {
-            Seeable::Traced(drop) => Some(drop as &dyn Drawn<LANES>),
-            Seeable::Small(drop) => Some(drop),
-            Seeable::Kept(shown) => match &**shown {
-                Shown::Traced(drop) => Some(drop),
-                Shown::Small(drop) => Some(drop),
-                Shown::Nothing => None,
-            },
-        })
-        .collect()
+        all.map(|(reaches, drop)| (reaches.clone(), drop.drawn()))
+            .collect()
+    }
+}
+
+impl Seeable<'_> {
+    fn drawn(&self) -> &dyn Drawn<LANES> {
+        match self {
+            Self::Traced(drop) => drop,
+            Self::Small(drop) => drop,
+            Self::KeptTraced(drop) => &**drop,
+            Self::KeptSmall(drop) => &**drop,
+        }
     }
 }
 

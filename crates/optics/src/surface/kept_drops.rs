@@ -1,6 +1,5 @@
 //! Drops that lie there frame after frame.
 
-use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use starbreak_deposit::Cap;
@@ -13,7 +12,7 @@ use super::small_drop::SmallDrop;
 use crate::View;
 use crate::environment::EnvironmentParams;
 use crate::lens::Lens;
-use crate::maps::Drawn;
+use crate::maps::{Drawn, Reaches};
 
 /// Most cells that are kept, of 52 bytes each.
 const MOST_CELLS: usize = 1 << 21;
@@ -40,23 +39,31 @@ pub struct KeptDrops(Mutex<Known>);
 #[derive(Debug, Default)]
 struct Known {
     by: Option<SeenBy>,
-    drops: Vec<(Cap, Arc<Shown>)>,
+    drops: Vec<(Cap, Shown)>,
     glimpses: Vec<(u64, Arc<Glimpses>)>,
 }
 
 /// What is seen of a drop.
-#[derive(Debug)]
-pub(super) enum Shown {
+#[derive(Debug, Clone)]
+enum Shown {
     Nothing,
-    Small(SmallDrop),
-    Traced(TracedDrop),
+    Small(Reaches, Arc<SmallDrop>),
+    Traced(Reaches, Arc<TracedDrop>),
 }
 
 impl Shown {
     fn n_cells(&self) -> usize {
         match self {
-            Self::Traced(traced) => traced.cells.len(),
-            Self::Small(_) | Self::Nothing => 0,
+            Self::Traced(_, traced) => traced.cells.len(),
+            Self::Small(..) | Self::Nothing => 0,
+        }
+    }
+
+    fn seeable<'a>(self) -> Option<(Reaches, Seeable<'a>)> {
+        match self {
+            Self::Nothing => None,
+            Self::Small(reaches, small) => Some((reaches, Seeable::KeptSmall(small))),
+            Self::Traced(reaches, traced) => Some((reaches, Seeable::KeptTraced(traced))),
         }
     }
 }
@@ -65,26 +72,35 @@ impl Shown {
 #[derive(Debug)]
 pub(crate) struct Looked {
     /// Of each, in their order.
-    pub(super) known: Vec<Option<Arc<Shown>>>,
+    known: Vec<Option<Shown>>,
     pub(super) glimpses: Vec<(u64, Arc<Glimpses>)>,
     /// Cells for which there is room.
     room: usize,
-    found: Vec<(Cap, Arc<Shown>)>,
+    found: Vec<(Cap, Shown)>,
 }
 
 impl Looked {
-    /// Keeps what is seen of a drop, if there is room for it.
-    pub(super) fn keep<'a>(&mut self, cap: &Cap, drop: Option<Seeable<'a>>) -> Option<Seeable<'a>> {
-        let shown = match drop {
-            None => Arc::new(Shown::Nothing),
-            Some(Seeable::Kept(shown)) => shown,
-            Some(Seeable::Small(small)) => Arc::new(Shown::Small(small)),
-            Some(Seeable::Traced(_)) if self.room == 0 => return drop,
-            Some(Seeable::Traced(drawn)) => Arc::new(Shown::Traced(TracedDrop::of(&drawn))),
+    /// What is seen of the k-th drop: as it is known, or else as it is found, and then it is kept if there is room for it.
+    pub(super) fn keep<'a>(
+        &mut self,
+        k: usize,
+        cap: &Cap,
+        find: impl FnOnce() -> Option<(Reaches, Seeable<'a>)>,
+    ) -> Option<(Reaches, Seeable<'a>)> {
+        let shown = match self.known[k].take() {
+            Some(shown) => shown,
+            None => match find() {
+                None => Shown::Nothing,
+                Some((reaches, Seeable::Small(small))) => Shown::Small(reaches, Arc::new(small)),
+                Some((reaches, Seeable::Traced(drawn))) if self.room > 0 => {
+                    Shown::Traced(reaches, Arc::new(TracedDrop::of(&drawn)))
+                }
+                drop => return drop,
+            },
         };
         self.room = self.room.saturating_sub(shown.n_cells());
-        self.found.push((*cap, Arc::clone(&shown)));
-        Some(Seeable::Kept(shown))
+        self.found.push((*cap, shown.clone()));
+        shown.seeable()
     }
 }
 
@@ -112,7 +128,7 @@ impl KeptDrops {
             };
             n_missed = 0;
             next += place + 1;
-            Some(Arc::clone(&known.drops[next - 1].1))
+            Some(known.drops[next - 1].1.clone())
         };
         Looked {
             known: caps.iter().map(look).collect(),
@@ -135,8 +151,7 @@ impl KeptDrops {
 /// A drop with all cells that it covers.
 #[derive(Debug)]
 pub(super) struct TracedDrop {
-    blur_px: f64,
-    rows: Range<i32>,
+    reaches: Reaches,
     /// Where the cells of each row end.
     ends: Vec<usize>,
     cells: Vec<(i32, [f32; LANES])>,
@@ -145,15 +160,15 @@ pub(super) struct TracedDrop {
 impl TracedDrop {
     fn of(drawn: &dyn Drawn<LANES>) -> Self {
         let mut cells = Vec::new();
-        let ends = drawn.rows().map(|row| {
+        let reaches = drawn.reaches();
+        let ends = reaches.rows.clone().map(|row| {
             drawn.row(row, &mut |column, lanes| cells.push((column, lanes)));
             cells.len()
         });
         let ends = ends.collect();
         cells.shrink_to_fit();
         Self {
-            blur_px: drawn.radius_px(),
-            rows: drawn.rows(),
+            reaches,
             ends,
             cells,
         }
@@ -161,16 +176,12 @@ impl TracedDrop {
 }
 
 impl Drawn<LANES> for TracedDrop {
-    fn radius_px(&self) -> f64 {
-        self.blur_px
-    }
-
-    fn rows(&self) -> Range<i32> {
-        self.rows.clone()
+    fn reaches(&self) -> Reaches {
+        self.reaches.clone()
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
-        let place = usize::try_from(row - self.rows.start).ok();
+        let place = usize::try_from(row - self.reaches.rows.start).ok();
         let Some((place, end)) = place.and_then(|at| Some((at, *self.ends.get(at)?))) else {
             return;
         };

@@ -8,7 +8,7 @@ use super::drawn_drop::SOFT_PX;
 use super::glimpse::Glimpse;
 use super::lobe::LANES;
 use super::seen_at::{SeenAt, least_radius, straight};
-use crate::maps::Drawn;
+use crate::maps::{Drawn, Reaches};
 
 /// Radius along the longer side, in cells, below which a drop is small: of blurred ones, of sharp ones, and of sharp ones
 /// that are flatter along the shorter side, in cells, so that lines across them would be seen.
@@ -86,6 +86,10 @@ impl SmallDrop {
         Some(drop)
     }
 
+    fn rows(&self) -> Range<i32> {
+        cells([-self.high, self.high].map(|y| self.middle[1] + y))
+    }
+
     fn part(&self, row: i32) -> Option<Part> {
         let top = f64::from(row) - self.middle[1];
         let [top, bottom] = [top, top + 1.0].map(|y| y.clamp(-self.high, self.high));
@@ -115,12 +119,11 @@ fn cells([from, to]: [f64; 2]) -> Range<i32> {
 }
 
 impl Drawn<LANES> for SmallDrop {
-    fn radius_px(&self) -> f64 {
-        self.blur_px
-    }
-
-    fn rows(&self) -> Range<i32> {
-        cells([-self.high, self.high].map(|y| self.middle[1] + y))
+    fn reaches(&self) -> Reaches {
+        Reaches {
+            radius_px: self.blur_px,
+            rows: self.rows(),
+        }
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {

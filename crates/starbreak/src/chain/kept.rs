@@ -19,19 +19,16 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// What lies on an area of the pane, of which only what fell lately falls anew.
+    /// What lies on an area of the pane, found from what lay there shortly before.
     pub(super) fn rain(&self, rain: &Rain, area: &Area, seed: Seed) -> Deposit {
-        let shower = {
-            let mut kept = self.rain.lock().unwrap_or_else(PoisonError::into_inner);
-            let place = kept.iter().position(|it| it.is_of(rain, area, seed));
-            let known = place.map(|place| kept.remove(place));
-            let mut shower = known.unwrap_or_else(|| Shower::of(*rain, *area, seed));
-            shower.rest(rain.age_s);
-            kept.truncate(1);
-            kept.insert(0, shower.clone());
-            shower
-        };
-        shower.at(rain.age_s)
+        let mut kept = self.rain.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = kept.iter().position(|it| it.is_of(rain, area, seed));
+        let known = place.map(|place| kept.remove(place));
+        let mut shower = known.unwrap_or_else(|| Shower::of(*rain, *area, seed));
+        let deposit = shower.at(rain.age_s);
+        kept.truncate(1);
+        kept.insert(0, shower);
+        deposit
     }
 
     /// How frames show coats that grow; those are found that are not as they were last.
