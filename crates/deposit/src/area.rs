@@ -16,6 +16,9 @@ pub struct Area {
     /// How far its upper edge is cut from the left and from the right, mm, and by how much less an edge below it, mm per mm.
     cut_mm: [f64; 2],
     widens: [f64; 2],
+    /// Least radius of drops that are seen at its upper edge, mm, and by how much more below it, mm per mm.
+    least_mm: f64,
+    grows: f64,
 }
 
 impl Area {
@@ -27,7 +30,36 @@ impl Area {
             to_mm,
             cut_mm: [0.0; 2],
             widens: [0.0; 2],
+            least_mm: 0.0,
+            grows: 0.0,
         }
+    }
+
+    /// Without drops that are too small to be seen: the least radius that is, mm, at two heights, mm; in between and beyond them
+    /// it lies on a straight line, as distance from a camera does.
+    #[must_use]
+    pub fn without_smaller(
+        self,
+        [(at_mm, radius_mm), (other_mm, other_radius_mm)]: [(f64, f64); 2],
+    ) -> Self {
+        let grows = (other_radius_mm - radius_mm) / (other_mm - at_mm);
+        let least_mm = radius_mm + grows * (self.from_mm[1] - at_mm);
+        let (least_mm, grows) = if (least_mm + grows).is_finite() {
+            (least_mm, grows)
+        } else {
+            (0.0, 0.0)
+        };
+        Self {
+            least_mm,
+            grows,
+            ..self
+        }
+    }
+
+    /// Least radius of drops that are seen at a height, mm.
+    #[must_use]
+    pub fn least_radius_mm(&self, down_mm: f64) -> f64 {
+        (self.least_mm + self.grows * (down_mm - self.from_mm[1])).max(0.0)
     }
 
     /// Without what is left of a straight line, or right of another: each by the place to the right, mm, where it meets the

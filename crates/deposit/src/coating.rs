@@ -14,8 +14,8 @@ pub struct Passage {
     pub wide: f64,
     /// Is turned across a direction of the pane: by grooves along it.
     pub streak: f64,
-    /// The direction across those grooves, a unit vector.
-    pub across: [f64; 2],
+    /// The direction across those grooves, a unit vector. As short as that, a passage is copied in half of the time.
+    pub across: [f32; 2],
     /// Goes on in any direction.
     pub diffuse: [f64; 3],
     /// Is sent back.
@@ -80,9 +80,19 @@ pub trait Coating {
     /// What it does to light at a place, mm.
     fn passage(&self, at_mm: [f64; 2]) -> Passage;
 
-    /// The same at some places, added in their order.
-    fn passages(&self, at_mm: &[[f64; 2]], to: &mut Vec<Passage>) {
-        to.extend(at_mm.iter().map(|at| self.passage(*at)));
+    /// The mean over each of some ways on the pane, added in their order: each is given by its middle and by how far it goes,
+    /// mm, and looked at in so many places.
+    fn along(&self, ways_mm: &[[[f64; 2]; 2]], n_places: u32, to: &mut Vec<Passage>) {
+        let place = |[at, way]: &[[f64; 2]; 2], k: u32| {
+            let part = (f64::from(k) + 0.5) / f64::from(n_places) - 0.5;
+            self.passage([at[0] + part * way[0], at[1] + part * way[1]])
+        };
+        if n_places == 1 {
+            to.extend(ways_mm.iter().map(|[at, _]| self.passage(*at)));
+        } else {
+            let mean = |way| Passage::mean((0..n_places).map(|k| place(way, k)));
+            to.extend(ways_mm.iter().map(mean));
+        }
     }
 
     /// How wide the places may be that it is looked at, mm; 0 where that is all the same to it.
@@ -90,7 +100,7 @@ pub trait Coating {
         0.0
     }
 
-    /// How far apart places may be of which a mean is taken, mm, where a pixel shows more of the pane.
+    /// How far apart those places may be, mm, where a pixel shows more of the pane.
     fn apart_mm(&self) -> f64 {
         self.even_over_mm()
     }

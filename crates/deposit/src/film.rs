@@ -98,18 +98,24 @@ pub(crate) struct FilmedPane {
     patches: Field,
 }
 
-/// Places that are worked out side by side.
+/// Ways that are worked out side by side.
 const TOGETHER: usize = 8;
 
 impl FilmedPane {
-    /// What it does to light at some places.
+    /// What it does to light in the mean over some ways, each by its middle and how far it goes, mm: the mean of a wave is that
+    /// at the middle, times sin u/u of half of how far its phase goes.
     #[inline(always)]
-    fn at<const N: usize>(&self, places_mm: &[[f64; 2]; N]) -> [Passage; N] {
+    fn over<const N: usize>(&self, ways_mm: &[[[f64; 2]; 2]; N]) -> [Passage; N] {
         let [mut right, mut down, mut height] = [[0.0; N]; 3];
         for wave in &self.waves {
             let [kx, ky] = wave.number;
-            #[expect(clippy::cast_possible_truncation, reason = "a phase of some turns")]
-            let phases = places_mm.map(|[x, y]| (kx * x + ky * y + wave.phase) as f32);
+            let (mut phases, mut halves) = ([0.0; N], [0.0; N]);
+            for (k, [[x, y], [along_x, along_y]]) in ways_mm.iter().enumerate() {
+                #[expect(clippy::cast_possible_truncation, reason = "a phase of some turns")]
+                let phase = (kx * x + ky * y + wave.phase) as f32;
+                phases[k] = phase;
+                halves[k] = 0.5 * (kx * along_x + ky * along_y);
+            }
             let [sin, cos] = if phases.iter().all(|phase| phase.abs() <= MOST_PHASE) {
                 sines(phases)
             } else {
@@ -119,13 +125,18 @@ impl FilmedPane {
                     both.map(|it| f64::from(it.1)),
                 ]
             };
+            let left = means(halves);
             for k in 0..N {
-                height[k] += cos[k];
-                right[k] += kx * sin[k];
-                down[k] += ky * sin[k];
+                height[k] += left[k] * cos[k];
+                right[k] += left[k] * kx * sin[k];
+                down[k] += left[k] * ky * sin[k];
             }
         }
-        std::array::from_fn(|k| self.passage_of(places_mm[k], [right[k], down[k]], height[k]))
+        let mut all = [Passage::CLEAN; N];
+        for k in 0..N {
+            all[k] = self.passage_of(ways_mm[k][0], [right[k], down[k]], height[k]);
+        }
+        all
     }
 
     /// By the sums over its waves.
@@ -148,20 +159,21 @@ impl FilmedPane {
 
 impl Coating for FilmedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let [passage] = self.at(&[at_mm]);
+        let [passage] = self.over(&[[at_mm, [0.0; 2]]]);
         passage
     }
 
-    fn passages(&self, at_mm: &[[f64; 2]], to: &mut Vec<Passage>) {
-        to.reserve(at_mm.len());
+    /// In closed form, wherever it is looked at.
+    fn along(&self, ways_mm: &[[[f64; 2]; 2]], _: u32, to: &mut Vec<Passage>) {
+        to.reserve(ways_mm.len());
         vectorized(
             #[inline(always)]
             || {
-                let (together, rest) = at_mm.as_chunks::<TOGETHER>();
-                for places in together {
-                    to.extend(self.at(places));
+                let (together, rest) = ways_mm.as_chunks::<TOGETHER>();
+                for ways in together {
+                    to.extend(self.over(ways));
                 }
-                to.extend(rest.iter().flat_map(|place| self.at(&[*place])));
+                to.extend(rest.iter().flat_map(|way| self.over(&[*way])));
             },
         );
     }
@@ -170,6 +182,35 @@ impl Coating for FilmedPane {
         [0.0, SCATTERS_BY_RAD]
     }
 }
+
+/// sin u/u of some numbers.
+#[inline(always)]
+fn means<const N: usize>(numbers: [f64; N]) -> [f64; N] {
+    let mut means = [0.0; N];
+    for (mean, u) in means.iter_mut().zip(numbers) {
+        let z = u * u;
+        *mean = 1.0 - z * (1.0 / 6.0 - z * (1.0 / 120.0 - z * (1.0 / 5040.0 - z / 362_880.0)));
+    }
+    if numbers.iter().all(|u| u.abs() <= SHORT) {
+        return means;
+    }
+    let mut phases = [0.0_f32; N];
+    for (phase, u) in phases.iter_mut().zip(numbers) {
+        #[expect(clippy::cast_possible_truncation, reason = "a phase of some turns")]
+        let near = u.clamp(-f64::from(MOST_PHASE), f64::from(MOST_PHASE)) as f32;
+        *phase = near;
+    }
+    let [sines, _] = sines(phases);
+    for ((mean, u), sine) in means.iter_mut().zip(numbers).zip(sines) {
+        if u.abs() > SHORT {
+            *mean = sine / u;
+        }
+    }
+    means
+}
+
+/// Numbers up to which the first terms of [`means`] do: to 3·10⁻⁸.
+const SHORT: f64 = 1.0;
 
 /// Phases up to which [`sines`] holds: some 2²⁸ quarters of a turn.
 const MOST_PHASE: f32 = 4.2e8;

@@ -216,15 +216,16 @@ impl Rain {
         }
     }
 
-    /// How many drops land on an area of the pane in the mean. What becomes of each takes time, a second for some
-    /// hundred thousand.
+    /// How many drops land on an area of the pane in the mean, with those that are too small to be seen there. What becomes of
+    /// each takes time, a second for some hundred thousand.
     #[must_use]
     pub fn n_landing(&self, area: &Area) -> f64 {
         self.impacts_per_m2_s() * area.area_m2() * self.age_s
     }
 
     /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
-    /// later age goes on from what was there.
+    /// later age goes on from what was there. Drops that land where they are too small to be seen are left out
+    /// ([`Area::without_smaller`]).
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
         Falls::of(*self, *area, seed).at(self.age_s)

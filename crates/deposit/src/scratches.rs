@@ -62,14 +62,20 @@ impl Coating for ScratchedPane {
         // Light is turned across a groove: towards the pivot and away.
         let [x, y] = [0, 1].map(|k| at_mm[k] - self.pivot_mm[k]);
         let far = libm::hypot(x, y).max(1e-6);
+        #[expect(clippy::cast_possible_truncation, reason = "a direction")]
+        let across = [x / far, y / far].map(|along| along as f32);
         Passage {
             covered: (sand + wiper).min(1.0),
             direct: [(1.0 - sand - wiper).max(0.0); 3],
             wide: sand,
             streak: wiper,
-            across: [x / far, y / far],
+            across,
             ..Passage::CLEAN
         }
+    }
+
+    fn apart_mm(&self) -> f64 {
+        f64::INFINITY
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {

@@ -568,8 +568,9 @@ fn places_taken_together_are_those_taken_one_by_one() {
         // No whole number of those that are worked out side by side; one so far away that its phase is taken otherwise.
         let mut at_mm: Vec<[f64; 2]> = places().step_by(3701).take(19).collect();
         at_mm[5] = [3e9, -1e9];
+        let ways_mm: Vec<_> = at_mm.iter().map(|at| [*at, [0.0; 2]]).collect();
         let mut together = Vec::new();
-        coating.passages(&at_mm, &mut together);
+        coating.along(&ways_mm, 1, &mut together);
         let alone: Vec<Passage> = at_mm.iter().map(|at| coating.passage(*at)).collect();
         assert_eq!(together.len(), 19, "{coat:?}");
         assert!(
@@ -577,6 +578,43 @@ fn places_taken_together_are_those_taken_one_by_one() {
             "{coat:?}: to the last digit"
         );
     }
+}
+
+/// What a film does over a way is known in closed form, of short ways and long ones, and is the mean of many places.
+#[test]
+fn the_mean_over_a_way_is_that_of_many_places() {
+    let film = Film { haze: 0.05, ..FILM };
+    let coating = Coat::Film(film).on_pane(&AREA, 0.4, Seed(1));
+    let n_places = 2000;
+    let ways_mm: Vec<[[f64; 2]; 2]> = places()
+        .step_by(3701)
+        .zip([0.01, 0.3, 2.0, 9.0, 40.0].into_iter().cycle())
+        .take(19)
+        .map(|(at, long)| [at, [0.3 * long, long]])
+        .collect();
+    let mut found = Vec::new();
+    coating.along(&ways_mm, 1, &mut found);
+    let (mut most, mut least) = (0.0_f64, f64::INFINITY);
+    for ([at, way], found) in ways_mm.iter().zip(&found) {
+        let place = |k: u32| {
+            let part = (f64::from(k) + 0.5) / f64::from(n_places) - 0.5;
+            coating.passage([0, 1].map(|axis| at[axis] + part * way[axis]))
+        };
+        let mean = Passage::mean((0..n_places).map(place));
+        for k in 0..2 {
+            let off = (found.turned_rad[k] - mean.turned_rad[k]).abs();
+            assert!(off < 1e-7, "over {way:?} mm: {found:?}, not {mean:?}");
+            most = most.max(mean.turned_rad[k].abs());
+            least = least.min(mean.turned_rad[k].abs());
+        }
+        // Its patches are those of the middle.
+        let haze = (found.wide - mean.wide).abs();
+        assert!(haze < 1e-3, "over {way:?} mm: {found:?}, not {mean:?}");
+    }
+    assert!(
+        most > 20.0 * least,
+        "long ways turn little: {least}, {most} rad"
+    );
 }
 
 /// A pane over vents clears from its lower edge up, above each outlet first, and as much goes as of one that is heated

@@ -257,6 +257,34 @@ fn later_is_more_of_the_same() {
 }
 
 #[test]
+fn drops_that_are_too_small_to_be_seen_are_left_out_with_little_of_the_water() {
+    // As before a pane that leans: the lower, the farther away.
+    let seen = AREA.without_smaller([(20.0, 0.05), (220.0, 0.25)]);
+    assert!((seen.least_radius_mm(120.0) - 0.15).abs() < 1e-12);
+    let rain = rain(7.6);
+    let (mut n_all, mut n_seen, mut n_smaller, mut water) = (0, 0, 0, [0.0; 2]);
+    for seed in (0..30).map(Seed) {
+        let [all, left] = [AREA, seen].map(|area| rain.on_pane(&area, seed));
+        n_all += all.caps.len();
+        n_seen += left.caps.len();
+        let is_smaller = |cap: &&Cap| cap.radius_mm < 0.98 * seen.least_radius_mm(cap.at_mm[1]);
+        n_smaller += left.caps.iter().filter(is_smaller).count();
+        water[0] += all.water_m(&AREA);
+        water[1] += left.water_m(&seen);
+    }
+    assert!(
+        n_smaller * 100 < n_seen,
+        "{n_smaller} of {n_seen} are smaller"
+    );
+    assert!(n_seen * 10 < n_all * 8, "{n_seen} of {n_all} are left");
+    let [all, left] = water;
+    assert!((left / all - 1.0).abs() < 0.05, "{left} m of {all} m");
+    // Wherever none is large enough, none is left.
+    let none = AREA.without_smaller([(20.0, 20.0), (220.0, 20.0)]);
+    assert!(rain.on_pane(&none, Seed(1)).is_empty(), "too small all");
+}
+
+#[test]
 fn what_is_gone_does_not_come_back() {
     // Heavy rain in which drops run down, every tenth of a second.
     let drops_at = |age_s: f64| -> BTreeSet<[u64; 3]> {

@@ -3,6 +3,7 @@
 use starbreak_deposit::Area;
 use starbreak_glass::{CrackNetwork, LengthUnit, Pane};
 use starbreak_optics::lens_faults::{MovedPlaces, Optic};
+use starbreak_optics::physical::LEAST_DROP_PX;
 use starbreak_optics::{Camera, View};
 
 use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
@@ -138,8 +139,19 @@ impl<'a> Scene<'a> {
             Some((top[0] + (upper_mm - top[1]) * moves + aside_mm, moves))
         };
         let aside_mm = 2.0 * MARGIN_MM + self.pupil_mm();
-        match (line(0.0, -aside_mm), line(width, aside_mm)) {
+        let area = match (line(0.0, -aside_mm), line(width, aside_mm)) {
             (Some(left), Some(right)) => area.between([left, right]),
+            _ => area,
+        };
+        // The least drops that are seen at two rows of the frame: their radius grows with the distance, which
+        // changes evenly on the pane.
+        let least = |part: f64| {
+            let at_mm = view.unproject([0.5 * width, part * height])?;
+            let [[px_per_mm, _], _] = view.jacobian(at_mm)?;
+            Some((at_mm[1], LEAST_DROP_PX / px_per_mm))
+        };
+        match (least(0.5), least(0.9)) {
+            (Some(middle), Some(lower)) => area.without_smaller([middle, lower]),
             _ => area,
         }
     }
@@ -288,6 +300,13 @@ mod tests {
                         };
                         if is_on(0) && is_on(1) {
                             n_seen += 1;
+                            // Drops that are drawn are on it, too.
+                            let px_per_mm = view.jacobian(at_mm).map_or(0.0, |it| it[0][0]);
+                            let least_px = area.least_radius_mm(at_mm[1]) * px_per_mm;
+                            assert!(
+                                (least_px / LEAST_DROP_PX - 1.0).abs() < 1e-6,
+                                "{least_px} px"
+                            );
                             assert!(
                                 area.holds(at_mm),
                                 "{set}, {width} x {height}, {above}: {at:?} px shows {at_mm:?} mm"

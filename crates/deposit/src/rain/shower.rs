@@ -7,6 +7,7 @@ use starbreak_seed::{Seed, Stream, uniform};
 
 use super::pane::Pane;
 use super::{Impacts, Rain, cubed};
+use crate::cap::volume_per_cubed_radius;
 use crate::outline::Drawn;
 use crate::{Area, Deposit};
 
@@ -34,6 +35,7 @@ pub(super) struct Falls {
     impacts: Impacts,
     /// Drops that land in a second.
     per_s: f64,
+    volume_per_cubed_radius: f64,
 }
 
 /// What has fallen, up to an age.
@@ -42,8 +44,8 @@ struct Past {
     age_s: f64,
     pane: Pane,
     rng: ChaCha8Rng,
-    /// The next drop, and how many landed before it.
-    next: Landing,
+    /// When the next drop comes, s, and it, if it is large enough to be seen; how many of those landed before it.
+    next: (f64, Option<Landing>),
     n_landed: u64,
 }
 
@@ -115,6 +117,7 @@ impl Falls {
             seed,
             impacts,
             per_s,
+            volume_per_cubed_radius: volume_per_cubed_radius(rain.contact_rad),
         }
     }
 
@@ -123,23 +126,27 @@ impl Falls {
         Past {
             age_s: 0.0,
             pane: Pane::dry(self.rain, self.area),
-            next: self.landing(0.0, &mut rng),
+            next: self.next(0.0, &mut rng),
             rng,
             n_landed: 0,
         }
     }
 
-    /// The drop that lands next after a time, s.
-    fn landing(&self, time_s: f64, rng: &mut ChaCha8Rng) -> Landing {
+    /// When the next drop comes after a time, s, and it, unless it is too small to be seen.
+    fn next(&self, time_s: f64, rng: &mut ChaCha8Rng) -> (f64, Option<Landing>) {
         let time_s = time_s - libm::log(1.0 - uniform(rng)) / self.per_s;
         let at_mm = self.area.place(rng);
         let diameter_mm = self.impacts.diameter_mm(uniform(rng));
-        Landing {
+        let volume_mm3 = PI / 6.0 * cubed(diameter_mm);
+        let least_mm = self.area.least_radius_mm(at_mm[1]);
+        let is_seen = volume_mm3 >= self.volume_per_cubed_radius * cubed(least_mm);
+        let landing = is_seen.then(|| Landing {
             time_s,
             at_mm,
-            volume_mm3: PI / 6.0 * cubed(diameter_mm),
+            volume_mm3,
             drawn: Drawn::by(rng),
-        }
+        });
+        (time_s, landing)
     }
 
     /// What lies on the pane at an age, s, if nothing more is asked.
@@ -153,9 +160,11 @@ impl Falls {
 impl Past {
     /// Lets drops land and run up to an age, s.
     fn go_on(&mut self, falls: &Falls, age_s: f64) {
-        while falls.per_s > 0.0 && self.next.time_s <= age_s {
-            let landing = falls.landing(self.next.time_s, &mut self.rng);
-            let landing = std::mem::replace(&mut self.next, landing);
+        while falls.per_s > 0.0 && self.next.0 <= age_s {
+            let next = falls.next(self.next.0, &mut self.rng);
+            let (_, Some(landing)) = std::mem::replace(&mut self.next, next) else {
+                continue;
+            };
             self.n_landed += 1;
             self.pane.run(landing.time_s);
             self.pane

@@ -18,7 +18,7 @@ mod pattern;
 mod render;
 mod samples;
 
-pub use crate::surface::{Glass, KeptDrops, SurfaceParams};
+pub use crate::surface::{Glass, KeptDrops, LEAST_DROP_PX, SurfaceParams};
 pub(crate) use defocus::{Beyond, defocus_rows, spread_evenly};
 pub(crate) use elsewhere::{FINE_WIDTHS, exponent_up};
 pub use frames::Gathered;

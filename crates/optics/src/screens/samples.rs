@@ -72,25 +72,30 @@ impl Samples {
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
         let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
         let longest_mm = coating.apart_mm().max(LONGEST_MM);
-        let (mut places_mm, mut there) = (Vec::new(), Vec::new());
+        let (mut ways_mm, mut there) = (Vec::new(), Vec::new());
         // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
         for y in 0..size.1 {
             rows.rotate_left(1);
             rows[2] = row(f64::from(y) + 1.0).collect();
-            places_mm.clear();
             let seen = &rows[1];
             let beside = [rows[0].as_slice(), &rows[2]];
-            let n_places = add_footprints(seen, beside, longest_mm, &mut places_mm);
+            ways_mm.clear();
+            let longest = add_ways(seen, beside, &mut ways_mm);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "some places"
+            )]
+            let n_places = ((longest / longest_mm).ceil() as u32).clamp(1, MOST_PLACES);
             there.clear();
-            coating.passages(&places_mm, &mut there);
-            let mut there = there.chunks_exact(n_places);
+            coating.along(&ways_mm, n_places, &mut there);
+            let mut there = there.iter();
             for seen in seen {
-                let passage = match (seen, seen.and_then(|_| there.next())) {
-                    (Some(at_mm), Some(all)) => cell_of(all, *at_mm, view),
-                    _ => Passage::CLEAN,
-                };
-                samples.push(&passage, f_px);
+                match (seen, seen.and_then(|_| there.next())) {
+                    (Some(at_mm), Some(passage)) => samples.push(passage, (*at_mm, view), f_px),
+                    _ => samples.push(&Passage::CLEAN, ([0.0; 2], view), f_px),
+                }
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
@@ -118,7 +123,7 @@ impl Samples {
 
     /// Adds the next cell; covered is a sum as yet.
     #[inline(always)]
-    fn push(&mut self, passage: &Passage, f_px: f64) {
+    fn push(&mut self, passage: &Passage, (at_mm, view): ([f64; 2], &View), f_px: f64) {
         let glass = self.glass.get(self.across.len());
         self.covered += passage.covered * f64::from(glass.copied().unwrap_or(1.0));
         self.direct.push(passage.direct);
@@ -128,9 +133,12 @@ impl Samples {
             .push([passage.narrow, passage.wide, passage.streak]);
         let [x, y] = passage.turned_rad.map(|rad| rad * f_px);
         self.moved.push([x, y, x * x + y * y]);
-        #[expect(clippy::cast_possible_truncation, reason = "a direction")]
-        self.across.push(passage.across.map(|along| along as f32));
-        self.has_grooves |= passage.streak > 0.0;
+        let has_grooves = passage.streak > 0.0;
+        self.across.push(match has_grooves {
+            true => across_in_frame(passage.across, at_mm, view),
+            false => passage.across,
+        });
+        self.has_grooves |= has_grooves;
     }
 
     /// Three numbers of each where any is above 0, as [`Samples::map`], which are 0 where no glass is.
@@ -189,30 +197,16 @@ impl<'a> Spread<'a> {
     }
 }
 
-/// What a cell shows in the mean of some places.
-#[inline(always)]
-fn cell_of(places: &[Passage], at_mm: [f64; 2], view: &View) -> Passage {
-    let mut passage = match places {
-        [one] => *one,
-        all => Passage::mean(all.iter().copied()),
-    };
-    if passage.streak > 0.0 {
-        passage.across = across_in_frame(passage.across, at_mm, view);
-    }
-    passage
-}
-
-/// Adds the places on the pane, mm, of which each cell of a row shows the mean, the same number for each that shows the
-/// pane, which is returned: more than one along the way to the cell above or below, whichever is nearer, where that is
-/// longer than a way, mm, as of glass seen at a grazing angle. All rows are of places in the middles of cells.
-fn add_footprints(
+/// Adds the way on the pane, mm, of which each cell of a row shows the mean, by its middle and how far it goes, of those that
+/// show the pane: that to the cell above or below, whichever is nearer. The longest is returned. All rows are of places in the
+/// middles of cells.
+fn add_ways(
     row: &[Option<[f64; 2]>],
     [above, below]: [&[Option<[f64; 2]>]; 2],
-    longest_mm: f64,
-    places_mm: &mut Vec<[f64; 2]>,
-) -> usize {
+    ways_mm: &mut Vec<[[f64; 2]; 2]>,
+) -> f64 {
     let square = |[x, y]: [f64; 2]| x * x + y * y;
-    let (mut ways_mm, mut most_mm2) = (Vec::with_capacity(row.len()), 0.0_f64);
+    let mut most_mm2 = 0.0_f64;
     for ((at_mm, above_mm), below_mm) in row.iter().zip(above).zip(below) {
         let Some(at_mm) = at_mm else {
             continue;
@@ -226,30 +220,21 @@ fn add_footprints(
         most_mm2 = most_mm2.max(square(way_mm));
         ways_mm.push([*at_mm, way_mm]);
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "some places"
-    )]
-    let n = ((most_mm2.sqrt() / longest_mm).ceil() as u32).clamp(1, MOST_PLACES);
-    for [at_mm, way_mm] in ways_mm {
-        places_mm.extend((0..n).map(|k| {
-            let part = (f64::from(k) + 0.5) / f64::from(n) - 0.5;
-            [0, 1].map(|axis| at_mm[axis] + part * way_mm[axis])
-        }));
-    }
-    n as usize
+    most_mm2.sqrt()
 }
 
 /// Direction across a groove in the frame, by that on the pane.
-fn across_in_frame([x, y]: [f64; 2], at_mm: [f64; 2], view: &View) -> [f64; 2] {
+fn across_in_frame(across: [f32; 2], at_mm: [f64; 2], view: &View) -> [f32; 2] {
     let Some([[a, b], [c, d]]) = view.jacobian(at_mm) else {
-        return [x, y];
+        return across;
     };
+    let [x, y] = across.map(f64::from);
     // The groove itself is moved to the frame, and light turned across it there.
     let (along_x, along_y) = (-a * y + b * x, -c * y + d * x);
     let length = libm::hypot(along_x, along_y).max(f64::MIN_POSITIVE);
-    [along_y / length, -along_x / length]
+    #[expect(clippy::cast_possible_truncation, reason = "a direction")]
+    let in_frame = [along_y / length, -along_x / length].map(|along| along as f32);
+    in_frame
 }
 
 #[cfg(test)]

@@ -32,6 +32,7 @@ mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};
 pub(crate) use drops::Drops;
+pub use drops::LEAST_DROP_PX;
 pub(crate) use hit::hit_facets;
 pub use kept_drops::KeptDrops;
 pub(crate) use kept_drops::SeenBy;

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use starbreak_deposit::Cap;
 
 use super::SheetView;
-use super::drops::{Drop, LEAST_PX};
+use super::drops::{Drop, LEAST_DROP_PX};
 use crate::maps::cells_per_px;
 use crate::number::Number;
 use crate::vector::Vector;
@@ -51,7 +51,7 @@ impl SeenAt {
     pub(super) fn of(cap: &Cap, sheet: &SheetView, reach_px: f64) -> Option<Self> {
         let [[px_per_mm, _], _] = sheet.view().jacobian(cap.at_mm)?;
         let radius_px = px_per_mm * cap.radius_mm;
-        if radius_px < LEAST_PX {
+        if radius_px < LEAST_DROP_PX {
             return None;
         }
         let enters_mm = sheet.entry(cap.at_mm, sheet.outer_mm(), [0.0; 2])?;
@@ -132,8 +132,9 @@ impl Extent {
 
 /// What is some steps away, by the change per step along x and along y.
 #[inline(always)]
-pub(super) fn straight<N: Number>([along_x, along_y]: &[[f64; 2]; 2], [x, y]: [N; 2]) -> [N; 2] {
-    [0, 1].map(|k| x.times(along_x[k]) + y.times(along_y[k]))
+pub(super) fn straight<N: Number>([[a, b], [c, d]]: &[[f64; 2]; 2], [x, y]: [N; 2]) -> [N; 2] {
+    // A call of `map` may keep what is in it from being inlined, here and elsewhere among rays.
+    [x.times(*a) + y.times(*c), x.times(*b) + y.times(*d)]
 }
 
 /// Steps to the rim of a drop along its shorter side, by the change of the place, of its radius, per step.

@@ -273,8 +273,11 @@ impl SheetView {
         let (p, nearest) = (&self.pinhole, z.all(NEAREST));
         // Of what is not before the camera any finite number does.
         let ahead = nearest.below(z, [z, nearest]);
-        let seen = [x, y].map(|part| part.times(p.f_px) / ahead);
-        let seen = [0, 1].map(|k| seen[k] + z.all(p.center_px[k]));
+        let [u, v] = p.center_px;
+        let seen = [
+            x.times(p.f_px) / ahead + z.all(u),
+            y.times(p.f_px) / ahead + z.all(v),
+        ];
         let (size, dashboard) = (self.view.size(), self.view.dashboard());
         let column_px = seen[0].at_least(0.0).at_most(f64::from(size.0));
         let row_px = seen[1].at_least(0.0);
@@ -285,7 +288,7 @@ impl SheetView {
             }),
         };
         let inside = [column_px, row_px];
-        let [x, y] = [0, 1].map(|k| seen[k] - inside[k]);
+        let [x, y] = [seen[0] - inside[0], seen[1] - inside[1]];
         let away_px = (x * x + y * y).sqrt();
         let away_px = nearest.below(z, [away_px, z.all(f64::INFINITY)]);
         (inside, away_px)

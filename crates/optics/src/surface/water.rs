@@ -129,7 +129,11 @@ impl<'a> Water<'a> {
             let mirrored = reflectance_at([cos, cos_out], 1.0 / WATER);
             let mirrored = none.below(square, [mirrored, one]);
             let beside = cos_out - cos.times(WATER);
-            let leaves = [0, 1, 2].map(|k| ray[k].times(WATER) + beside * at[k]);
+            let leaves = [
+                ray[0].times(WATER) + beside * at[0],
+                ray[1].times(WATER) + beside * at[1],
+                ray[2].times(WATER) + beside * at[2],
+            ];
             self.leaves(&mut lanes, sight, leaves, share * mirrored.less_from(1.0));
             share = share * mirrored;
             let lost = share.below(share.all(LEAST_SHARE), [share, none]);
