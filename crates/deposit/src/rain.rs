@@ -147,15 +147,32 @@ impl Rain {
     /// holds that.
     #[must_use]
     pub fn water_m_s(&self) -> f64 {
-        let of_step = |step: u32| {
-            let middle = diameter_mm(f64::from(step) + 0.5);
-            let volume_m3 = PI / 6.0 * cubed(middle * 1e-3);
-            volume_m3 * self.density(middle) * self.towards_pane_m_s(middle) * diameter_mm(1.0)
-        };
         if self.rate_m_s <= 0.0 {
             return 0.0;
         }
-        (0..N_DIAMETERS).map(of_step).sum()
+        (0..N_DIAMETERS).map(|step| self.brings_m_s(step)).sum()
+    }
+
+    /// The water of drops of one step of the diameters.
+    fn brings_m_s(&self, step: u32) -> f64 {
+        let middle = diameter_mm(f64::from(step) + 0.5);
+        let volume_m3 = PI / 6.0 * cubed(middle * 1e-3);
+        volume_m3 * self.density(middle) * self.towards_pane_m_s(middle) * diameter_mm(1.0)
+    }
+
+    /// The diameter up to which drops bring no more than a share of the water, mm.
+    fn brings_mm(&self, share: f64) -> f64 {
+        let mut left = share * self.water_m_s();
+        let steps = (0..N_DIAMETERS).take_while(|step| {
+            left -= self.brings_m_s(*step);
+            left > 0.0
+        });
+        diameter_mm(
+            steps
+                .map(|step| f64::from(step) + 1.0)
+                .last()
+                .unwrap_or(0.0),
+        )
     }
 
     /// Contact angles at which water draws back from glass and goes over it, rad.
@@ -225,7 +242,7 @@ impl Rain {
 
     /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
     /// later age goes on from what was there. Drops that land where they are too small to be seen are left out
-    /// ([`Area::without_smaller`]).
+    /// ([`Area::without_smaller`]), as far as they bring a hundredth of the water.
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
         Falls::of(*self, *area, seed).at(self.age_s)

@@ -23,6 +23,9 @@ const TRAIL_RADIUS: f64 = 0.28;
 /// front and its back, and holds by them again.
 const STOPS_AT: f64 = 0.85;
 
+/// No smaller drop begins to run, mm, however it is held.
+const LEAST_RUNS_MM: f64 = 1e-3;
+
 /// Most drops for which room is made before they land.
 const MOST_AWAITED: f64 = 1e6;
 
@@ -106,8 +109,9 @@ impl Pane {
         Self {
             rain,
             area,
-            runs_from_mm: rain.runs_from_mm(),
-            driven_from_mm: rain.driven_from_mm(),
+            // Ever smaller ones would run for ever.
+            runs_from_mm: rain.runs_from_mm().max(LEAST_RUNS_MM),
+            driven_from_mm: rain.driven_from_mm().max(LEAST_RUNS_MM),
             most_bulges: Outline::most(rain.contact_rad, rain.holds_rad()),
             grid: Grid::over(&area),
             drops: Vec::with_capacity(n_awaited),
@@ -121,25 +125,22 @@ impl Pane {
     /// The drops that are there at an age to which all have run, s.
     pub(super) fn caps(&self, age_s: f64) -> Vec<Cap> {
         // Those that run have gone a part of their step, and taken up what was in their way.
-        let mut changed: BTreeMap<u32, Option<Cap>> = BTreeMap::new();
+        let mut changed = BTreeMap::new();
         for (_, number) in self.running.keys() {
-            let lying = self.drops[*number as usize].as_ref();
-            let Some(lying) = lying.filter(|_| !changed.contains_key(number)) else {
-                continue;
-            };
-            let (cap, gone_mm) = (self.cap(lying, lying.at_mm), lying.gone_mm(age_s));
-            changed.insert(*number, None);
-            let mut in_way = self.in_way(&cap, gone_mm);
-            in_way.retain(|known| !changed.contains_key(&known.number));
-            changed.extend(in_way.iter().map(|known| (known.number, None)));
-            changed.insert(*number, self.gone(&cap, gone_mm, &in_way));
+            if let Some(lying) = &self.drops[*number as usize]
+                && !changed.contains_key(number)
+            {
+                changed.insert(*number, None);
+                let cap = self.gone(lying, age_s, &mut changed);
+                changed.insert(*number, cap);
+            }
         }
         let mut changed = changed.into_iter().peekable();
         let mut caps = Vec::with_capacity(self.drops.len());
         for (number, lying) in (0..).zip(&self.drops) {
             caps.extend(match changed.next_if(|(of, _)| *of == number) {
                 Some((_, cap)) => cap,
-                None => (lying.as_ref()).map(|lying| self.cap(lying, lying.at_mm)),
+                None => (lying.as_ref()).map(|lying| self.cap(lying)),
             });
         }
         caps
@@ -152,8 +153,8 @@ impl Pane {
             outline: Outline::fallen(&landing.drawn, self.most_bulges),
             ..self.round(landing.at_mm, landing.volume_mm3)
         };
-        self.take_up(&mut cap, landing.time_s);
-        self.leave(&cap, landing.time_s, trail);
+        let ran = self.take_up(&mut cap, landing.time_s);
+        self.leave(&cap, (landing.time_s, ran), trail);
     }
 
     /// Lets those that run go on to an age, s, step by step, each at its time.
@@ -162,24 +163,17 @@ impl Pane {
             && f64::from_bits(first.key().0) <= age_s
         {
             let ((_, number), trail) = first.remove_entry();
-            if let Some(lying) = self.drops[number as usize]
-                && let Some(step) = lying.runs
-            {
-                self.clear(&lying.known(number));
-                self.step(&self.cap(&lying, lying.at_mm), step, trail);
+            let lying = self.clear(number);
+            if let Some((lying, step)) = lying.and_then(|lying| Some((lying, lying.runs?))) {
+                self.step(&lying, step, trail);
             }
         }
     }
 
     /// A drop has gone a step: it has taken up what was in its way, and leaves a small drop behind, until it is small enough to
     /// hold.
-    fn step(&mut self, before: &Cap, Step { goes, done_s }: Step, mut trail: ChaCha8Rng) {
-        let by_mm = goes * step_mm(before.radius_mm);
-        let in_way = self.in_way(before, by_mm);
-        for known in &in_way {
-            self.clear(known);
-        }
-        let Some(cap) = self.gone(before, by_mm, &in_way) else {
+    fn step(&mut self, before: &Lying, Step { goes, done_s }: Step, mut trail: ChaCha8Rng) {
+        let Some(cap) = self.go(before, done_s) else {
             return;
         };
         let [u, v, w] = [
@@ -193,7 +187,7 @@ impl Pane {
                 before.at_mm[1] - goes * 0.3 * before.radius_mm * w,
             ],
             radius_mm: TRAIL_RADIUS * before.radius_mm * (0.35 + 0.65 * u),
-            ..*before
+            ..cap
         };
         self.put(&small, Lies::Drawn(Drawn::by(&mut trail)), None);
         let left_mm3 = self.volume_mm3(cap.radius_mm) - self.volume_mm3(small.radius_mm);
@@ -201,47 +195,73 @@ impl Pane {
             outline: cap.outline,
             ..self.round(cap.at_mm, left_mm3)
         };
-        let moves_from_mm = if goes < 0.0 {
-            self.driven_from_mm
-        } else {
-            self.runs_from_mm
-        };
-        if cap.radius_mm > STOPS_AT * moves_from_mm {
+        if self.goes_on(&cap, goes) {
             self.begin(&cap, done_s, goes, trail);
         } else {
             // Where it stops it may touch others.
-            self.take_up(&mut cap, done_s);
-            self.leave(&cap, done_s, || trail);
+            let ran = self.take_up(&mut cap, done_s);
+            self.leave(&cap, (done_s, ran), || trail);
         }
     }
 
-    /// What is in the way of a drop that moves so far down, or up if it is less than 0, mm.
-    fn in_way(&self, cap: &Cap, by_mm: f64) -> Vec<Known> {
-        let [x, from] = cap.at_mm;
-        let [low, high] = [from.min(from + by_mm), from.max(from + by_mm)];
-        self.near(([x, low], [x, high]), cap.radius_mm, |other| {
-            let dx = other.at_mm[0] - x;
-            let dy = other.at_mm[1] - other.at_mm[1].clamp(low, high);
-            let sum = cap.radius_mm + 0.5 * other.radius_mm;
-            dx * dx + dy * dy < sum * sum
-        })
+    /// A drop that was taken off the pane and runs, where it is at an age, with all that was in its way, which is taken off, too;
+    /// none where it has left the area.
+    fn go(&mut self, lying: &Lying, age_s: f64) -> Option<Cap> {
+        let mut taken = BTreeMap::new();
+        let cap = self.gone(lying, age_s, &mut taken);
+        for number in taken.keys() {
+            self.clear(*number);
+        }
+        cap
     }
 
-    /// A drop that has moved and taken up what was in its way; none where it has left the area.
-    fn gone(&self, cap: &Cap, by_mm: f64, in_way: &[Known]) -> Option<Cap> {
-        let at_mm = [cap.at_mm[0], cap.at_mm[1] + by_mm];
+    /// The same, with the numbers of what was in its way, but for those that are among them already.
+    fn gone(
+        &self,
+        lying: &Lying,
+        age_s: f64,
+        taken: &mut BTreeMap<u32, Option<Cap>>,
+    ) -> Option<Cap> {
+        let [x, from] = lying.at_mm;
+        let by_mm = lying.gone_mm(age_s);
+        let [low, high] = [from.min(from + by_mm), from.max(from + by_mm)];
+        let in_way = self.near(([x, low], [x, high]), lying.radius_mm, |other| {
+            self.is_where(other, age_s, |[other_x, other_y]| {
+                let (dx, dy) = (other_x - x, other_y - other_y.clamp(low, high));
+                let sum = lying.radius_mm + 0.5 * other.radius_mm;
+                dx * dx + dy * dy < sum * sum
+            })
+        });
+        let mut volume_mm3 = self.volume_mm3(lying.radius_mm);
+        for known in in_way {
+            if taken.contains_key(&known.number) {
+                continue;
+            }
+            taken.insert(known.number, None);
+            let other = self.drops[known.number as usize].as_ref();
+            let more_mm = match other.filter(|other| other.runs.is_some()) {
+                Some(other) => (self.gone(other, age_s, taken)).map_or(0.0, |cap| cap.radius_mm),
+                None => known.radius_mm,
+            };
+            volume_mm3 += self.volume_mm3(more_mm);
+        }
+        let at_mm = [x, from + by_mm];
         let is_on = (self.area.from_mm[1]..self.area.to_mm[1]).contains(&at_mm[1]);
-        let more = in_way.iter().map(|known| self.volume_mm3(known.radius_mm));
-        let volume_mm3 = self.volume_mm3(cap.radius_mm) + more.sum::<f64>();
         is_on.then(|| Cap {
             outline: Outline::ran(by_mm.signum(), self.most_bulges),
             ..self.round(at_mm, volume_mm3)
         })
     }
 
-    /// A drop holds where it is, or begins to run.
-    fn leave(&mut self, cap: &Cap, age_s: f64, trail: impl FnOnce() -> ChaCha8Rng) {
-        match self.runs(cap) {
+    /// A drop holds where it is at an age, or begins to run, or goes on as one did that it took up.
+    fn leave(
+        &mut self,
+        cap: &Cap,
+        (age_s, ran): (f64, Option<f64>),
+        trail: impl FnOnce() -> ChaCha8Rng,
+    ) {
+        let goes = self.runs(cap);
+        match goes.or_else(|| ran.filter(|goes| self.goes_on(cap, *goes))) {
             Some(goes) => self.begin(cap, age_s, goes, trail()),
             None => {
                 self.put(cap, Lies::Known(cap.outline), None);
@@ -282,6 +302,16 @@ impl Pane {
         }
     }
 
+    /// Whether a drop that runs downhill (1) or uphill (−1) is still large enough for that.
+    fn goes_on(&self, cap: &Cap, goes: f64) -> bool {
+        let moves_from_mm = if goes < 0.0 {
+            self.driven_from_mm
+        } else {
+            self.runs_from_mm
+        };
+        cap.radius_mm > STOPS_AT * moves_from_mm
+    }
+
     fn put(&mut self, cap: &Cap, outline: Lies, runs: Option<Step>) -> u32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.drops.push(None);
@@ -300,26 +330,34 @@ impl Pane {
         number
     }
 
-    /// Takes up all drops that a drop touches, until it touches none: one of all their water, at their center of mass.
-    fn take_up(&mut self, cap: &mut Cap, age_s: f64) {
+    /// Takes up all drops that a drop touches at an age, until it touches none: one of all their water, at their center of mass.
+    /// Where the first of those that ran went: downhill (1) or uphill (−1).
+    fn take_up(&mut self, cap: &mut Cap, age_s: f64) -> Option<f64> {
+        let mut ran = None;
         loop {
             let touched = self.near((cap.at_mm, cap.at_mm), cap.radius_mm, |other| {
-                let touches_at = |at_mm: [f64; 2]| {
+                self.is_where(other, age_s, |at_mm| {
                     let [dx, dy] = [0, 1].map(|k| at_mm[k] - cap.at_mm[k]);
                     let sum = cap.radius_mm + other.radius_mm;
                     dx * dx + dy * dy < sum * sum
-                };
-                // What it passed in its step, or comes to, is in its way when that is done.
-                touches_at(other.at_mm) && (!other.runs || touches_at(self.is_at(other, age_s)))
+                })
             });
             if touched.is_empty() {
-                return;
+                return ran;
             }
-            let touched: Vec<Cap> = touched
-                .iter()
-                .filter_map(|known| self.take(known, age_s))
-                .collect();
-            for other in touched {
+            let mut taken = Vec::new();
+            for known in touched {
+                // One may have been in the way of another.
+                let Some(lying) = self.clear(known.number) else {
+                    continue;
+                };
+                ran = ran.or(lying.runs.map(|step| step.goes));
+                taken.extend(match lying.runs {
+                    Some(_) => self.go(&lying, age_s),
+                    None => Some(self.cap(&lying)),
+                });
+            }
+            for other in taken {
                 let [own, more] = [*cap, other].map(|cap| self.volume_mm3(cap.radius_mm));
                 let at =
                     [0, 1].map(|k| (own * cap.at_mm[k] + more * other.at_mm[k]) / (own + more));
@@ -356,16 +394,21 @@ impl Pane {
         found
     }
 
-    /// Where a drop is at an age, mm.
-    fn is_at(&self, known: &Known, age_s: f64) -> [f64; 2] {
-        let lying = self.drops[known.number as usize].as_ref();
-        let gone_mm = lying.map_or(0.0, |lying| lying.gone_mm(age_s));
-        [known.at_mm[0], known.at_mm[1] + gone_mm]
+    /// Whether a drop is at a place that is as asked at an age; one that runs also where it began its step. What it comes to in
+    /// it is in its way when that is done.
+    fn is_where(&self, known: &Known, age_s: f64, is: impl Fn([f64; 2]) -> bool) -> bool {
+        let is_there_now = || {
+            let lying = self.drops[known.number as usize].as_ref();
+            let gone_mm = lying.map_or(0.0, |lying| lying.gone_mm(age_s));
+            is([known.at_mm[0], known.at_mm[1] + gone_mm])
+        };
+        is(known.at_mm) && (!known.runs || is_there_now())
     }
 
-    fn cap(&self, lying: &Lying, at_mm: [f64; 2]) -> Cap {
+    /// As it lies; one that runs where it began its step.
+    fn cap(&self, lying: &Lying) -> Cap {
         Cap {
-            at_mm,
+            at_mm: lying.at_mm,
             radius_mm: lying.radius_mm,
             contact_rad: self.rain.contact_rad,
             outline: match &lying.outline {
@@ -375,21 +418,15 @@ impl Pane {
         }
     }
 
-    /// Takes a drop off the pane, from where it is at an age.
-    fn take(&mut self, known: &Known, age_s: f64) -> Option<Cap> {
-        let at_mm = self.is_at(known, age_s);
-        let lying = self.clear(known);
-        lying.map(|lying| self.cap(&lying, at_mm))
-    }
-
-    fn clear(&mut self, known: &Known) -> Option<Lying> {
-        let lying = self.drops[known.number as usize].take();
-        if let Some(Step { done_s, .. }) = lying.and_then(|lying| lying.runs) {
-            self.running.remove(&(done_s.to_bits(), known.number));
+    /// Takes a drop off the pane, if it is there.
+    fn clear(&mut self, number: u32) -> Option<Lying> {
+        let lying = self.drops[number as usize].take()?;
+        if let Some(Step { done_s, .. }) = lying.runs {
+            self.running.remove(&(done_s.to_bits(), number));
         }
-        self.grid.remove(known);
-        self.free.push(known.number);
-        lying
+        self.grid.remove(&lying.known(number));
+        self.free.push(number);
+        Some(lying)
     }
 }
 
@@ -423,6 +460,7 @@ mod tests {
         for (lands_mm, n_drops, most_mm) in [
             // Where it was, where it is, and where it comes to.
             (20.0, 1, 25.0),
+            (22.5, 1, 25.0),
             (25.5, 1, 25.1),
             (29.0, 2, 25.0),
         ] {
@@ -432,7 +470,7 @@ mod tests {
             assert_eq!(drops.len(), n_drops, "at {lands_mm} mm: {drops:?}");
             let [_, down_mm] = drops[0].at_mm;
             assert!(
-                (25.0 - 1e-9..=most_mm + 1e-9).contains(&down_mm),
+                (24.98..=most_mm + 1e-9).contains(&down_mm),
                 "at {lands_mm} mm: the large one is at {down_mm} mm"
             );
             // Whatever comes of them, the water is there: a step later in the large one and in what it left behind.

@@ -15,6 +15,10 @@ use crate::{Area, Deposit};
 /// by side.
 const LATE_S: f64 = 0.25;
 
+/// Drops that are too small to be seen are left out as far as they bring this share of the water: others would be missed in those
+/// that they become a part of.
+const LITTLE: f64 = 0.01;
+
 /// Rain on an area of a pane at one age after the other: what [`Rain::on_pane`] gives, without all the rain before.
 ///
 /// Drops land and run at their times, so that a later age goes on from what was there at the latest that was asked for. An
@@ -36,6 +40,8 @@ pub(super) struct Falls {
     /// Drops that land in a second.
     per_s: f64,
     volume_per_cubed_radius: f64,
+    /// Volume of drops than which smaller ones bring little of the water.
+    little_mm3: f64,
 }
 
 /// What has fallen, up to an age.
@@ -44,7 +50,7 @@ struct Past {
     age_s: f64,
     pane: Pane,
     rng: ChaCha8Rng,
-    /// When the next drop comes, s, and it, if it is large enough to be seen; how many of those landed before it.
+    /// When the next drop comes, s, and it, if it is large enough to be seen; how many came before it.
     next: (f64, Option<Landing>),
     n_landed: u64,
 }
@@ -66,8 +72,8 @@ impl Shower {
         let dry = falls.dry();
         Self {
             falls,
-            late: dry.clone(),
-            latest: dry,
+            latest: dry.clone(),
+            late: dry,
         }
     }
 
@@ -118,6 +124,7 @@ impl Falls {
             impacts,
             per_s,
             volume_per_cubed_radius: volume_per_cubed_radius(rain.contact_rad),
+            little_mm3: PI / 6.0 * cubed(rain.brings_mm(LITTLE)),
         }
     }
 
@@ -139,12 +146,14 @@ impl Falls {
         let diameter_mm = self.impacts.diameter_mm(uniform(rng));
         let volume_mm3 = PI / 6.0 * cubed(diameter_mm);
         let least_mm = self.area.least_radius_mm(at_mm[1]);
-        let is_seen = volume_mm3 >= self.volume_per_cubed_radius * cubed(least_mm);
-        let landing = is_seen.then(|| Landing {
+        let seen_mm3 = self.volume_per_cubed_radius * cubed(least_mm);
+        // Whatever is seen, all others are the same.
+        let drawn = Drawn::by(rng);
+        let landing = (volume_mm3 >= seen_mm3.min(self.little_mm3)).then_some(Landing {
             time_s,
             at_mm,
             volume_mm3,
-            drawn: Drawn::by(rng),
+            drawn,
         });
         (time_s, landing)
     }
@@ -162,10 +171,10 @@ impl Past {
     fn go_on(&mut self, falls: &Falls, age_s: f64) {
         while falls.per_s > 0.0 && self.next.0 <= age_s {
             let next = falls.next(self.next.0, &mut self.rng);
+            self.n_landed += 1;
             let (_, Some(landing)) = std::mem::replace(&mut self.next, next) else {
                 continue;
             };
-            self.n_landed += 1;
             self.pane.run(landing.time_s);
             self.pane
                 .lands(&landing, || falls.seed.stream(Stream::Rain, self.n_landed));

@@ -8,8 +8,6 @@ use super::level::Level;
 
 /// Something of one blur, as it lies in the frame.
 pub(crate) trait Drawn<const L: usize> {
-    fn reaches(&self) -> Reaches;
-
     /// Calls with the column of each cell of a row that it covers, and with what it sends along each lane, weighted already
     /// by the part of the cell that it covers.
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; L]));

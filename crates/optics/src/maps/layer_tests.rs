@@ -338,14 +338,17 @@ struct Cells {
     rows: std::ops::Range<i32>,
 }
 
-impl Drawn<3> for Cells {
-    fn reaches(&self) -> Reaches {
-        Reaches {
+impl Cells {
+    fn reaching(&self) -> Reaching<'_, 3> {
+        let reaches = Reaches {
             radius_px: self.radius_px,
             rows: self.rows.clone(),
-        }
+        };
+        (reaches, self)
     }
+}
 
+impl Drawn<3> for Cells {
     fn row(&self, _: i32, add: &mut dyn FnMut(i32, [f32; 3])) {
         self.columns.clone().for_each(|x| add(x, [1.0, 0.0, 0.0]));
     }
@@ -370,7 +373,7 @@ fn cells_that_are_drawn_spread_as_the_facet_that_covers_them() {
         let beside = strip([[40.0, 4.0], [44.0, 4.0], [44.0, 36.0], [40.0, 36.0]], 1.0);
         let size = (60, 40);
         let one = spread(&[strip(corners, radius_px), beside], &[], 1, triangle, size);
-        let drawn: Reaching<'_, 3> = (drawn.reaches(), &drawn);
+        let drawn = drawn.reaching();
         let other = spread(&[beside], &[drawn], 1, triangle, size);
         let pixels = || (0..60).flat_map(|x| (0..40).map(move |y| (x, y)));
         let most = pixels().map(|(x, y)| pixel(&one, x, y)).fold(0.0, f64::max);
@@ -393,7 +396,7 @@ fn what_is_drawn_twice_covers_no_more_than_once() {
             columns: cells(16.0)..cells(24.0),
             rows: cells(16.0)..cells(24.0),
         };
-        let drawn: Reaching<'_, 3> = (drawn.reaches(), &drawn);
+        let drawn = drawn.reaching();
         let once = spread(&[], std::slice::from_ref(&drawn), 1, Pupil::Round, (40, 40));
         let twice = spread(&[], &[drawn.clone(), drawn], 1, Pupil::Round, (40, 40));
         assert_eq!(once, twice, "R {radius_px}");

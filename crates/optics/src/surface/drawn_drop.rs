@@ -131,6 +131,13 @@ impl<'a> DrawnDrop<'a> {
         Some(drawn)
     }
 
+    pub(super) fn reaches(&self) -> Reaches {
+        Reaches {
+            radius_px: self.blur_px,
+            rows: self.cells(1, &self.rows),
+        }
+    }
+
     /// Makes few rays together as large as the drop, wherever they lie.
     fn even_out(&mut self) {
         let rays = [&self.rows, &self.columns].map(ExactSizeIterator::len);
@@ -286,13 +293,6 @@ fn rays_of_cell(seen: &SeenAt) -> [u32; 2] {
 const DITHER: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 
 impl Drawn<LANES> for DrawnDrop<'_> {
-    fn reaches(&self) -> Reaches {
-        Reaches {
-            radius_px: self.blur_px,
-            rows: self.cells(1, &self.rows),
-        }
-    }
-
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
         let mut cells = Cells {
             drop: self,

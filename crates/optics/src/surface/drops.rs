@@ -16,8 +16,8 @@ use crate::maps::{Drawn, Reaches, Reaching};
 /// Farthest from the middle, of the radius, that light is followed.
 pub(super) const RIM: f64 = 0.995;
 
-/// Least radius of a drop that is drawn, across, px: smaller ones change pictures by less than 0.1 codes in the mean, where there
-/// are most.
+/// Least radius of a drop that is drawn, from its middle to its side, px: smaller ones change pictures by less than 0.1 codes in
+/// the mean, where there are most.
 pub const LEAST_DROP_PX: f64 = 0.12;
 
 /// Drops as they are drawn: those of which parts are seen, and all others.

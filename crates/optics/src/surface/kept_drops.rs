@@ -93,7 +93,8 @@ impl Looked {
                 None => Shown::Nothing,
                 Some((reaches, Seeable::Small(small))) => Shown::Small(reaches, Arc::new(small)),
                 Some((reaches, Seeable::Traced(drawn))) if self.room > 0 => {
-                    Shown::Traced(reaches, Arc::new(TracedDrop::of(&drawn)))
+                    let traced = TracedDrop::of(&reaches, &drawn);
+                    Shown::Traced(reaches, Arc::new(traced))
                 }
                 drop => return drop,
             },
@@ -151,16 +152,15 @@ impl KeptDrops {
 /// A drop with all cells that it covers.
 #[derive(Debug)]
 pub(super) struct TracedDrop {
-    reaches: Reaches,
+    first_row: i32,
     /// Where the cells of each row end.
     ends: Vec<usize>,
     cells: Vec<(i32, [f32; LANES])>,
 }
 
 impl TracedDrop {
-    fn of(drawn: &dyn Drawn<LANES>) -> Self {
+    fn of(reaches: &Reaches, drawn: &dyn Drawn<LANES>) -> Self {
         let mut cells = Vec::new();
-        let reaches = drawn.reaches();
         let ends = reaches.rows.clone().map(|row| {
             drawn.row(row, &mut |column, lanes| cells.push((column, lanes)));
             cells.len()
@@ -168,7 +168,7 @@ impl TracedDrop {
         let ends = ends.collect();
         cells.shrink_to_fit();
         Self {
-            reaches,
+            first_row: reaches.rows.start,
             ends,
             cells,
         }
@@ -176,12 +176,8 @@ impl TracedDrop {
 }
 
 impl Drawn<LANES> for TracedDrop {
-    fn reaches(&self) -> Reaches {
-        self.reaches.clone()
-    }
-
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
-        let place = usize::try_from(row - self.reaches.rows.start).ok();
+        let place = usize::try_from(row - self.first_row).ok();
         let Some((place, end)) = place.and_then(|at| Some((at, *self.ends.get(at)?))) else {
             return;
         };

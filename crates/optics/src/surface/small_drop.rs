@@ -86,6 +86,13 @@ impl SmallDrop {
         Some(drop)
     }
 
+    pub(super) fn reaches(&self) -> Reaches {
+        Reaches {
+            radius_px: self.blur_px,
+            rows: self.rows(),
+        }
+    }
+
     fn rows(&self) -> Range<i32> {
         cells([-self.high, self.high].map(|y| self.middle[1] + y))
     }
@@ -119,13 +126,6 @@ fn cells([from, to]: [f64; 2]) -> Range<i32> {
 }
 
 impl Drawn<LANES> for SmallDrop {
-    fn reaches(&self) -> Reaches {
-        Reaches {
-            radius_px: self.blur_px,
-            rows: self.rows(),
-        }
-    }
-
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
         let Some(part) = self.part(row) else {
             return;
