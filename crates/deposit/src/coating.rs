@@ -14,8 +14,8 @@ pub struct Passage {
     pub wide: f64,
     /// Is turned across a direction of the pane: by grooves along it.
     pub streak: f64,
-    /// The direction across those grooves, a unit vector: not of double precision, so that all of it takes 128 bytes, which are
-    /// copied in registers.
+    /// The direction across those grooves, a unit vector: of single precision, so that a passage takes 128 bytes, up to which
+    /// it is copied in registers.
     pub across: [f32; 2],
     /// Goes on in any direction.
     pub diffuse: [f64; 3],

@@ -163,16 +163,13 @@ impl Rain {
     /// The diameter up to which drops bring no more than a share of the water, mm.
     fn brings_mm(&self, share: f64) -> f64 {
         let mut left = share * self.water_m_s();
-        let steps = (0..N_DIAMETERS).take_while(|step| {
-            left -= self.brings_m_s(*step);
-            left > 0.0
-        });
-        diameter_mm(
-            steps
-                .map(|step| f64::from(step) + 1.0)
-                .last()
-                .unwrap_or(0.0),
-        )
+        for step in 0..N_DIAMETERS {
+            left -= self.brings_m_s(step);
+            if left <= 0.0 {
+                return diameter_mm(f64::from(step));
+            }
+        }
+        LARGEST_MM
     }
 
     /// Contact angles at which water draws back from glass and goes over it, rad.

@@ -74,6 +74,7 @@ impl Coating for ScratchedPane {
         }
     }
 
+    /// Nothing but the direction changes from place to place, and that little.
     fn apart_mm(&self) -> f64 {
         f64::INFINITY
     }

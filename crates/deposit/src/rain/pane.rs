@@ -146,15 +146,20 @@ impl Pane {
         caps
     }
 
-    /// A drop lands at an age to which all have run, takes up what it touches, and begins to run if it is too heavy then: it
+    /// A drop lands at an age to which all have run, s, takes up what it touches, and begins to run if it is too heavy then: it
     /// is given what it will draw from.
-    pub(super) fn lands(&mut self, landing: &Landing, trail: impl FnOnce() -> ChaCha8Rng) {
+    pub(super) fn lands(
+        &mut self,
+        age_s: f64,
+        landing: &Landing,
+        trail: impl FnOnce() -> ChaCha8Rng,
+    ) {
         let mut cap = Cap {
             outline: Outline::fallen(&landing.drawn, self.most_bulges),
             ..self.round(landing.at_mm, landing.volume_mm3)
         };
-        let ran = self.take_up(&mut cap, landing.time_s);
-        self.leave(&cap, (landing.time_s, ran), trail);
+        let ran = self.take_up(&mut cap, age_s);
+        self.leave(&cap, (age_s, ran), trail);
     }
 
     /// Lets those that run go on to an age, s, step by step, each at its time.
@@ -215,7 +220,8 @@ impl Pane {
         cap
     }
 
-    /// The same, with the numbers of what was in its way, but for those that are among them already.
+    /// The same, but that nothing is taken off: numbers of what was in its way are added to those that are taken, and drops that
+    /// are among them already are passed over.
     fn gone(
         &self,
         lying: &Lying,
@@ -394,8 +400,8 @@ impl Pane {
         found
     }
 
-    /// Whether a drop is at a place that is as asked at an age; one that runs also where it began its step. What it comes to in
-    /// it is in its way when that is done.
+    /// Whether the place of a drop at an age is as asked, and of one that runs that where it began its step, too: what it comes to
+    /// later in its step is in its way when that is done.
     fn is_where(&self, known: &Known, age_s: f64, is: impl Fn([f64; 2]) -> bool) -> bool {
         let is_there_now = || {
             let lying = self.drops[known.number as usize].as_ref();
@@ -431,57 +437,5 @@ impl Pane {
 }
 
 #[cfg(test)]
-mod tests {
-    use starbreak_seed::{Seed, Stream};
-
-    use super::*;
-
-    #[test]
-    fn what_lands_meets_a_drop_that_runs_where_it_is_by_then() {
-        // Upright glass at rest: all runs down. It has gone 5 mm of its step of 6.6.
-        let rain = Rain {
-            slope_rad: std::f64::consts::FRAC_PI_2,
-            speed_m_s: 0.0,
-            ..Rain::default()
-        };
-        let lands = |pane: &mut Pane, time_s: f64, down_mm: f64, radius_mm: f64| {
-            let mut rng = Seed(1).stream(Stream::Rain, 1);
-            let landing = Landing {
-                time_s,
-                at_mm: [50.0, down_mm],
-                volume_mm3: pane.volume_mm3(radius_mm),
-                drawn: Drawn::by(&mut rng),
-            };
-            pane.run(time_s);
-            pane.lands(&landing, || rng);
-        };
-        let mut running = Pane::dry(rain, Area::rectangle([0.0; 2], [100.0; 2]));
-        lands(&mut running, 0.0, 20.0, 3.0);
-        for (lands_mm, n_drops, most_mm) in [
-            // Where it was, where it is, and where it comes to.
-            (20.0, 1, 25.0),
-            (22.5, 1, 25.0),
-            (25.5, 1, 25.1),
-            (29.0, 2, 25.0),
-        ] {
-            let mut pane = running.clone();
-            lands(&mut pane, 0.05, lands_mm, 0.5);
-            let drops = pane.caps(0.05);
-            assert_eq!(drops.len(), n_drops, "at {lands_mm} mm: {drops:?}");
-            let [_, down_mm] = drops[0].at_mm;
-            assert!(
-                (24.98..=most_mm + 1e-9).contains(&down_mm),
-                "at {lands_mm} mm: the large one is at {down_mm} mm"
-            );
-            // Whatever comes of them, the water is there: a step later in the large one and in what it left behind.
-            pane.run(0.07);
-            let drops = pane.caps(0.07);
-            let water_mm3: f64 = drops.iter().map(Cap::volume_mm3).sum();
-            let fell_mm3 = pane.volume_mm3(3.0) + pane.volume_mm3(0.5);
-            assert!(
-                (water_mm3 / fell_mm3 - 1.0).abs() < 1e-9,
-                "at {lands_mm} mm: {water_mm3} of {fell_mm3} mm³"
-            );
-        }
-    }
-}
+#[path = "pane_tests.rs"]
+mod tests;

@@ -58,7 +58,6 @@ struct Past {
 /// A drop that lands.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Landing {
-    pub(super) time_s: f64,
     pub(super) at_mm: [f64; 2],
     pub(super) volume_mm3: f64,
     pub(super) drawn: Drawn,
@@ -150,7 +149,6 @@ impl Falls {
         // Whatever is seen, all others are the same.
         let drawn = Drawn::by(rng);
         let landing = (volume_mm3 >= seen_mm3.min(self.little_mm3)).then_some(Landing {
-            time_s,
             at_mm,
             volume_mm3,
             drawn,
@@ -172,12 +170,12 @@ impl Past {
         while falls.per_s > 0.0 && self.next.0 <= age_s {
             let next = falls.next(self.next.0, &mut self.rng);
             self.n_landed += 1;
-            let (_, Some(landing)) = std::mem::replace(&mut self.next, next) else {
+            let (time_s, Some(landing)) = std::mem::replace(&mut self.next, next) else {
                 continue;
             };
-            self.pane.run(landing.time_s);
-            self.pane
-                .lands(&landing, || falls.seed.stream(Stream::Rain, self.n_landed));
+            let trail = || falls.seed.stream(Stream::Rain, self.n_landed);
+            self.pane.run(time_s);
+            self.pane.lands(time_s, &landing, trail);
         }
         self.pane.run(age_s);
         self.age_s = self.age_s.max(age_s);

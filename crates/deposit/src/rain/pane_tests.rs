@@ -1,0 +1,74 @@
+use starbreak_seed::{Seed, Stream};
+
+use super::*;
+
+/// Upright glass at rest: all runs down.
+fn dry() -> Pane {
+    let rain = Rain {
+        slope_rad: std::f64::consts::FRAC_PI_2,
+        speed_m_s: 0.0,
+        ..Rain::default()
+    };
+    Pane::dry(rain, Area::rectangle([0.0; 2], [100.0; 2]))
+}
+
+fn lands(pane: &mut Pane, age_s: f64, down_mm: f64, radius_mm: f64) {
+    let mut rng = Seed(1).stream(Stream::Rain, 1);
+    let landing = Landing {
+        at_mm: [50.0, down_mm],
+        volume_mm3: pane.volume_mm3(radius_mm),
+        drawn: Drawn::by(&mut rng),
+    };
+    pane.run(age_s);
+    pane.lands(age_s, &landing, || rng);
+}
+
+#[test]
+fn what_lands_meets_a_drop_that_runs_where_it_is_by_then() {
+    // It has gone 5 mm of its step of 6.6.
+    let mut running = dry();
+    lands(&mut running, 0.0, 20.0, 3.0);
+    for (lands_mm, n_drops, most_mm) in [
+        // Where it was, where it is, and where it comes to.
+        (20.0, 1, 25.0),
+        (22.5, 1, 25.0),
+        (25.5, 1, 25.1),
+        (29.0, 2, 25.0),
+    ] {
+        let mut pane = running.clone();
+        lands(&mut pane, 0.05, lands_mm, 0.5);
+        let drops = pane.caps(0.05);
+        assert_eq!(drops.len(), n_drops, "at {lands_mm} mm: {drops:?}");
+        let [_, down_mm] = drops[0].at_mm;
+        assert!(
+            (24.98..=most_mm + 1e-9).contains(&down_mm),
+            "at {lands_mm} mm: the large one is at {down_mm} mm"
+        );
+        // Whatever comes of them, the water is there: a step later in the large one and in what it left behind.
+        pane.run(0.07);
+        let drops = pane.caps(0.07);
+        let water_mm3: f64 = drops.iter().map(Cap::volume_mm3).sum();
+        let fell_mm3 = pane.volume_mm3(3.0) + pane.volume_mm3(0.5);
+        assert!(
+            (water_mm3 / fell_mm3 - 1.0).abs() < 1e-9,
+            "at {lands_mm} mm: {water_mm3} of {fell_mm3} mm³"
+        );
+    }
+}
+
+#[test]
+fn what_runs_ahead_is_not_thrown_back() {
+    // Where the other began its step is in the way of the first, but it has gone on. So near they may become one.
+    let mut pane = dry();
+    lands(&mut pane, 0.0, 10.0, 3.0);
+    lands(&mut pane, 0.001, 20.0, 3.0);
+    let mut last_mm = 0.0;
+    for age_s in (1..=30).map(|k| f64::from(k) * 0.011) {
+        pane.run(age_s);
+        let drops = pane.caps(age_s).into_iter();
+        let large = drops.filter(|cap| cap.radius_mm > 2.0);
+        let ahead_mm = large.map(|cap| cap.at_mm[1]).fold(0.0, f64::max);
+        assert!(ahead_mm > last_mm, "{age_s} s: {last_mm}, then {ahead_mm}");
+        last_mm = ahead_mm;
+    }
+}
