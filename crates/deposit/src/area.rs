@@ -19,6 +19,9 @@ pub struct Area {
     /// Least radius of drops that are seen at its upper edge, mm, and by how much more below it, mm per mm.
     least_mm: f64,
     grows: f64,
+    /// From which height on it is shown, mm, and by how much farther down as far aside.
+    shown_from_mm: f64,
+    run_in_mm: f64,
 }
 
 impl Area {
@@ -32,6 +35,36 @@ impl Area {
             widens: [0.0; 2],
             least_mm: 0.0,
             grows: 0.0,
+            shown_from_mm: f64::NEG_INFINITY,
+            run_in_mm: 0.0,
+        }
+    }
+
+    /// Of which frames show no more than what is below a height, mm, and there no more than what it has `run_in_mm` farther up.
+    /// The rest is where drops come from that run down.
+    #[must_use]
+    pub fn shown_below(self, from_mm: f64, run_in_mm: f64) -> Self {
+        Self {
+            shown_from_mm: from_mm,
+            run_in_mm,
+            ..self
+        }
+    }
+
+    /// What frames may show of it.
+    #[must_use]
+    pub fn shown(&self) -> Self {
+        let from_mm = self.from_mm[1].max(self.shown_from_mm);
+        let below_mm = from_mm - self.run_in_mm - self.from_mm[1];
+        let cut_mm = [0, 1].map(|k| self.cut_mm[k] - self.widens[k] * below_mm);
+        let cuts = cut_mm.map(|cut_mm| cut_mm > 0.0);
+        Self {
+            from_mm: [self.from_mm[0], from_mm],
+            cut_mm: [0, 1].map(|k| if cuts[k] { cut_mm[k] } else { 0.0 }),
+            widens: [0, 1].map(|k| if cuts[k] { self.widens[k] } else { 0.0 }),
+            least_mm: self.least_radius_mm(from_mm),
+            run_in_mm: 0.0,
+            ..*self
         }
     }
 
@@ -213,5 +246,33 @@ mod tests {
         );
         assert!(!area.is_near([50.0, 106.0], 5.0), "below");
         assert!(area.is_near([50.0, 104.0], 5.0), "a little below");
+    }
+
+    #[test]
+    fn what_is_shown_is_what_there_is_farther_up_and_not_above_a_height() {
+        let whole = Area::rectangle([-60.0, 10.0], [40.0, 90.0]);
+        let lines = [(-20.0, -0.5), (15.0, 0.25)];
+        // Lines with which the area begins below where they are shown from, and above; and none.
+        for (k, (area, from_mm, run_in_mm)) in [
+            (whole.between(lines), 40.0, 30.0),
+            (whole.between(lines), 15.0, 30.0),
+            (whole.between(lines), 5.0, 0.0),
+            (whole, 40.0, 30.0),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let shown = area.shown_below(from_mm, run_in_mm).shown();
+            for place in 0..10_000 {
+                let [x, y] = [place % 100, place / 100].map(|n| f64::from(n) + 0.5);
+                let (x, y) = (x - 60.0, y * 0.8 + 10.0);
+                // The lines, as far above the area as they go.
+                let of_lines = lines.map(|(at_mm, moves)| at_mm + moves * (y - run_in_mm - 10.0));
+                let [left, right] = if k < 3 { of_lines } else { [-60.0, 40.0] };
+                let is_shown = y >= from_mm && (left..right).contains(&x);
+                assert_eq!(shown.holds([x, y]), is_shown, "{k}: {x}, {y} mm");
+            }
+        }
+        assert_eq!(whole.shown(), whole, "all, if nothing is said");
     }
 }

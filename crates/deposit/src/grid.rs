@@ -2,56 +2,72 @@
 
 use crate::Area;
 
-/// Drops up to these radii, mm, are kept apart from larger ones: among many small ones a few large ones would have to be
+/// Drops up to this radius, mm, are kept apart from larger ones: among many small ones a few large ones would have to be
 /// looked for from far away.
-const UP_TO_MM: [f64; 3] = [0.25, 1.0, f64::INFINITY];
+const SMALL_MM: f64 = 1.0;
 
-/// Sides of their cells, mm.
-const CELLS_MM: [f64; 3] = [2.0, 4.0, 16.0];
+/// Sides of the cells of small ones, of large ones, and of those that run, mm: these are few, and may be far from where they
+/// began.
+const CELLS_MM: [f64; 3] = [4.0, 16.0, 16.0];
+const SMALL: usize = 0;
+const LARGE: usize = 1;
+const RUN: usize = 2;
 
 /// Side of the cells by which drops are put in order, mm.
 const ORDER_MM: f64 = 4.0;
 
-/// What is looked at of a drop to tell whether it is near.
+/// More than what a place of a pane is off by where it is kept in four bytes, mm.
+const OFF_MM: f32 = 0.01;
+
+/// A drop that is put into a grid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known {
     pub(crate) at_mm: [f64; 2],
     pub(crate) radius_mm: f64,
+    /// How far it may have gone up or down by now, mm; 0 where it holds.
+    pub(crate) goes_mm: f64,
     pub(crate) number: u32,
-    /// Whether it may be farther on by now.
-    pub(crate) runs: bool,
 }
 
-/// Drops by their size and by the cell of their middle.
+/// Drops by their kind and by the cell of their middle.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid {
     order: Cells,
-    sizes: [OfSize; 3],
+    kinds: [OfKind; 3],
     handfuls: Vec<Handful>,
     /// Those that hold nothing.
     free: Vec<u32>,
 }
 
-/// Most drops that lie side by side in memory.
-const HANDFUL: usize = 4;
+/// What is kept of a drop to tell whether it may be near: most are looked at in vain, and memory is what that takes.
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    at_mm: [f32; 2],
+    reaches_mm: f32,
+    number: u32,
+}
 
-/// Some drops of a cell. Only in its first handful is there room.
+/// Most drops that lie side by side in memory.
+const HANDFUL: usize = 3;
+
+/// Some drops of a cell, in one piece of what processors read at once. Only in a cell's first handful is there room.
 #[derive(Debug, Clone)]
+#[repr(align(64))]
 struct Handful {
-    drops: [Known; HANDFUL],
-    n: usize,
+    drops: [Kept; HANDFUL],
+    n: u32,
     /// Place of the next of the cell, plus one; 0 after the last one.
     next: u32,
 }
 
-/// Drops of some size.
+/// Drops of some kind.
 #[derive(Debug, Clone)]
-struct OfSize {
+struct OfKind {
     cells: Cells,
-    /// Place of the first handful of each cell, plus one; 0 of empty ones. Most are looked at in vain: all are close by.
+    /// Place of the first handful of each cell, plus one; 0 of empty ones.
     first: Vec<u32>,
-    /// No radius was larger as yet, mm.
-    largest_mm: f64,
+    /// None reached farther as yet, mm.
+    farthest_mm: f64,
 }
 
 /// An area in cells.
@@ -93,12 +109,12 @@ impl Grid {
     pub(crate) fn over(area: &Area) -> Self {
         Self {
             order: Cells::over(area, ORDER_MM),
-            sizes: CELLS_MM.map(|side_mm| {
+            kinds: CELLS_MM.map(|side_mm| {
                 let cells = Cells::over(area, side_mm);
-                OfSize {
+                OfKind {
                     first: vec![0; cells.n[0] * cells.n[1]],
                     cells,
-                    largest_mm: 0.0,
+                    farthest_mm: 0.0,
                 }
             }),
             handfuls: Vec::new(),
@@ -107,19 +123,19 @@ impl Grid {
     }
 
     pub(crate) fn add(&mut self, drop: Known) {
-        let size = &mut self.sizes[size_of(drop.radius_mm)];
-        size.largest_mm = size.largest_mm.max(drop.radius_mm);
-        let first = &mut size.first[size.cells.of(drop.at_mm)];
+        let kind = &mut self.kinds[drop.kind()];
+        kind.farthest_mm = kind.farthest_mm.max(drop.radius_mm + drop.goes_mm);
+        let first = &mut kind.first[kind.cells.of(drop.at_mm)];
         if let Some(place) = first.checked_sub(1) {
             let handful = &mut self.handfuls[place as usize];
-            if handful.n < HANDFUL {
-                handful.drops[handful.n] = drop;
+            if let Some(room) = handful.drops.get_mut(handful.n as usize) {
+                *room = drop.kept();
                 handful.n += 1;
                 return;
             }
         }
         let handful = Handful {
-            drops: [drop; HANDFUL],
+            drops: [drop.kept(); HANDFUL],
             n: 1,
             next: *first,
         };
@@ -136,15 +152,14 @@ impl Grid {
     }
 
     pub(crate) fn remove(&mut self, drop: &Known) {
-        let size = &mut self.sizes[size_of(drop.radius_mm)];
-        let first = &mut size.first[size.cells.of(drop.at_mm)];
+        let kind = &mut self.kinds[drop.kind()];
+        let first = &mut kind.first[kind.cells.of(drop.at_mm)];
         let Some(head) = first.checked_sub(1) else {
             return;
         };
         let found = places(&self.handfuls, *first).find_map(|place| {
-            let handful = &self.handfuls[place];
-            let mut drops = handful.drops[..handful.n].iter();
-            let k = drops.position(|known| known.number == drop.number)?;
+            let mut drops = self.handfuls[place].drops().iter();
+            let k = drops.position(|kept| kept.number == drop.number)?;
             Some((place, k))
         });
         let Some((place, k)) = found else {
@@ -153,7 +168,7 @@ impl Grid {
         // The last of the first handful takes its place.
         let handful = &mut self.handfuls[head as usize];
         handful.n -= 1;
-        let (last, n, next) = (handful.drops[handful.n], handful.n, handful.next);
+        let (last, n, next) = (handful.drops[handful.n as usize], handful.n, handful.next);
         self.handfuls[place].drops[k] = last;
         if n == 0 {
             *first = next;
@@ -167,36 +182,99 @@ impl Grid {
         self.order.along(1, at_mm[1]) * n[0] + self.order.along(0, at_mm[0])
     }
 
-    /// Calls with all drops that reach to within a distance of a rectangle, and with some others.
+    /// Calls with the numbers of all drops that reach to within a distance of a rectangle, and of some others.
     pub(crate) fn each_near(
+        &self,
+        place: ([f64; 2], [f64; 2]),
+        within_mm: f64,
+        mut call: impl FnMut(u32),
+    ) {
+        for kind in &self.kinds {
+            kind.each_near(place, within_mm, &self.handfuls, &mut call);
+        }
+    }
+
+    /// The same for those that run alone.
+    pub(crate) fn each_running_near(
+        &self,
+        place: ([f64; 2], [f64; 2]),
+        within_mm: f64,
+        call: impl FnMut(u32),
+    ) {
+        self.kinds[RUN].each_near(place, within_mm, &self.handfuls, call);
+    }
+}
+
+impl OfKind {
+    fn each_near(
         &self,
         (from_mm, to_mm): ([f64; 2], [f64; 2]),
         within_mm: f64,
-        mut call: impl FnMut(&Known),
+        handfuls: &[Handful],
+        mut call: impl FnMut(u32),
     ) {
-        for OfSize {
+        let Self {
             cells,
             first,
-            largest_mm,
-        } in &self.sizes
-        {
-            if *largest_mm <= 0.0 {
-                continue;
-            }
-            let reach = within_mm + largest_mm;
-            let [left, right] = [from_mm[0] - reach, to_mm[0] + reach].map(|x| cells.along(0, x));
-            let [top, bottom] = [from_mm[1] - reach, to_mm[1] + reach].map(|y| cells.along(1, y));
-            for x in left..=right {
-                let column = x * cells.n[1];
-                for first in &first[column + top..=column + bottom] {
-                    for place in places(&self.handfuls, *first) {
-                        let handful = &self.handfuls[place];
-                        handful.drops[..handful.n].iter().for_each(&mut call);
+            farthest_mm,
+        } = self;
+        if *farthest_mm <= 0.0 {
+            return;
+        }
+        let reach = within_mm + farthest_mm;
+        let [left, right] = [from_mm[0] - reach, to_mm[0] + reach].map(|x| cells.along(0, x));
+        let [top, bottom] = [from_mm[1] - reach, to_mm[1] + reach].map(|y| cells.along(1, y));
+        let [from, to] = [from_mm, to_mm].map(short);
+        let [within, _] = short([within_mm, 0.0]);
+        for x in left..=right {
+            let column = x * cells.n[1];
+            for first in &first[column + top..=column + bottom] {
+                for place in places(handfuls, *first) {
+                    for kept in handfuls[place].drops() {
+                        let [x, y] = kept.at_mm;
+                        let dx = x - x.max(from[0]).min(to[0]);
+                        let dy = y - y.max(from[1]).min(to[1]);
+                        let sum = within + kept.reaches_mm + OFF_MM;
+                        if dx * dx + dy * dy < sum * sum {
+                            call(kept.number);
+                        }
                     }
                 }
             }
         }
     }
+}
+
+impl Known {
+    fn kind(&self) -> usize {
+        if self.goes_mm > 0.0 {
+            RUN
+        } else if self.radius_mm > SMALL_MM {
+            LARGE
+        } else {
+            SMALL
+        }
+    }
+
+    fn kept(&self) -> Kept {
+        let [reaches_mm, _] = short([self.radius_mm + self.goes_mm, 0.0]);
+        Kept {
+            at_mm: short(self.at_mm),
+            reaches_mm,
+            number: self.number,
+        }
+    }
+}
+
+impl Handful {
+    fn drops(&self) -> &[Kept] {
+        self.drops.get(..self.n as usize).unwrap_or_default()
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "mm of a pane")]
+fn short(mm: [f64; 2]) -> [f32; 2] {
+    [mm[0] as f32, mm[1] as f32]
 }
 
 /// Places of the handfuls of a cell, by that of the first, plus one.
@@ -207,12 +285,6 @@ fn places(handfuls: &[Handful], first: u32) -> impl Iterator<Item = usize> {
         next = handfuls[place].next;
         Some(place)
     })
-}
-
-/// The place of a radius among the sizes.
-fn size_of(radius_mm: f64) -> usize {
-    let smaller = UP_TO_MM.iter().take_while(|up_to| radius_mm > **up_to);
-    smaller.count().min(UP_TO_MM.len() - 1)
 }
 
 #[cfg(test)]
@@ -227,7 +299,7 @@ mod tests {
     fn near(all: &[Known], at_mm: [f64; 2]) -> Vec<u32> {
         let is_near = |drop: &&Known| {
             let [dx, dy] = [0, 1].map(|k| drop.at_mm[k] - at_mm[k]);
-            libm::hypot(dx, dy) < drop.radius_mm + 3.0
+            libm::hypot(dx, dy) < drop.radius_mm + drop.goes_mm + 3.0
         };
         let mut near: Vec<u32> = all.iter().filter(is_near).map(|it| it.number).collect();
         near.sort_unstable();
@@ -241,7 +313,7 @@ mod tests {
             at_mm: [40.0 * u * u, 30.0 * v * v],
             radius_mm: 0.1 + 3.0 * w * w * w,
             number,
-            runs: false,
+            goes_mm: if number.is_multiple_of(9) { 4.0 } else { 0.0 },
         }
     }
 
@@ -262,7 +334,9 @@ mod tests {
             }
             let at_mm = drawn(&mut rng, 0).at_mm;
             let mut found = Vec::new();
-            grid.each_near((at_mm, at_mm), 3.0, |drop| found.push(*drop));
+            grid.each_near((at_mm, at_mm), 3.0, |number| {
+                found.extend(all.iter().find(|drop| drop.number == number));
+            });
             let found = near(&found, at_mm);
             assert_eq!(found, near(&all, at_mm), "step {step}, about {at_mm:?}");
         }

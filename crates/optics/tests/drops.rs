@@ -135,6 +135,47 @@ fn cap(radius_mm: f64, degrees: f64) -> Cap {
     }
 }
 
+#[test]
+fn a_drop_above_the_camera_is_not_in_the_frame() {
+    // Where a pane that leans passes above the pupil, before it and behind it by tenths of a mm.
+    let camera = Camera {
+        f_px: 372.0,
+        distance_m: 0.15,
+        rake_rad: 50.0_f64.to_radians(),
+        axis_at_mm: [0.0; 2],
+    };
+    let view = View::through(&camera, (640, 480)).unwrap();
+    let optics = PhysicalOptics {
+        glass: Glass {
+            thickness_mm: 5.0,
+            ..Glass::default()
+        },
+        ..PhysicalOptics::default()
+    };
+    let none = CrackNetwork::without_cracks(640, 480);
+    let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+    let passes_mm = -150.0 / 50.0_f64.to_radians().sin();
+    let is_seen = |at_mm: [f64; 2], outline: Outline| {
+        let caps = vec![Cap {
+            at_mm,
+            outline,
+            ..cap(4.4, 35.0)
+        }];
+        let pattern = pattern.clone().behind(&Deposit { caps }, &view, &optics);
+        !pattern.unwrap().is_intact()
+    };
+    // Whose outlines, as far beyond them as the frame is, mean nothing any more.
+    for outline in uneven(35.0, 8) {
+        for k in 0..1000 {
+            let [right, down] = [k % 20, k / 20].map(f64::from);
+            let at_mm = [20.0 * right - 200.0, passes_mm + 0.02 * down - 0.1];
+            assert!(!is_seen(at_mm, outline), "at {at_mm:?} mm: {outline:?}");
+        }
+        assert!(is_seen([0.0; 2], outline), "in the middle");
+        assert!(is_seen([0.0, -75.0], outline), "near the upper side");
+    }
+}
+
 /// The outlines of some drops of rain that are farthest from round.
 fn uneven(degrees: f64, n: usize) -> Vec<Outline> {
     let rain = Rain {

@@ -35,6 +35,8 @@ struct Lying {
     at_mm: [f64; 2],
     radius_mm: f64,
     outline: Lies,
+    /// Since when it lies there, or runs from there, s of the pane's age.
+    since_s: f64,
     runs: Option<Step>,
     /// How many were put on the pane before it.
     put: u64,
@@ -60,22 +62,40 @@ impl Lying {
             at_mm: self.at_mm,
             radius_mm: self.radius_mm,
             number,
-            runs: self.runs.is_some(),
+            goes_mm: self.goes_mm(),
         }
+    }
+
+    /// How far its step is, mm; 0 of one that holds.
+    fn goes_mm(&self) -> f64 {
+        self.runs.map_or(0.0, |_| TRAIL_STEP * self.radius_mm)
     }
 
     /// How far one that runs has come in its step at an age, mm: downwards, or upwards if below 0.
     fn gone_mm(&self, age_s: f64) -> f64 {
-        self.runs.map_or(0.0, |Step { goes, done_s }| {
-            let full_mm = step_mm(self.radius_mm);
-            goes * (full_mm - RUN_M_S * 1e3 * (done_s - age_s)).clamp(0.0, full_mm)
+        self.runs.map_or(0.0, |Step { goes, .. }| {
+            let gone_mm = RUN_M_S * 1e3 * (age_s - self.since_s);
+            goes * gone_mm.clamp(0.0, self.goes_mm())
         })
     }
-}
 
-/// From one drop that a drop of a radius leaves behind to the next, mm.
-fn step_mm(radius_mm: f64) -> f64 {
-    TRAIL_STEP * radius_mm
+    /// Where it is at an age, mm.
+    fn at_mm(&self, age_s: f64) -> [f64; 2] {
+        let [x, y] = self.at_mm;
+        [x, y + self.gone_mm(age_s)]
+    }
+
+    /// Whether one that runs has come to another by an age, s: so near that it takes it up. Only since both are there.
+    fn has_come_to(&self, other: &Self, age_s: f64) -> bool {
+        let since_s = self.since_s.max(other.since_s);
+        let [(dx, before), (_, after)] = [since_s, age_s].map(|age_s| {
+            let ([x, y], [other_x, other_y]) = (self.at_mm(age_s), other.at_mm(age_s));
+            (other_x - x, other_y - y)
+        });
+        let nearest = 0_f64.clamp(before.min(after), before.max(after));
+        let sum = self.radius_mm + 0.5 * other.radius_mm;
+        dx * dx + nearest * nearest < sum * sum
+    }
 }
 
 /// A pane while it rains.
@@ -122,7 +142,7 @@ impl Pane {
         }
     }
 
-    /// The drops that are there at an age to which all have run, s.
+    /// The drops that frames may show at an age to which all have run, s.
     pub(super) fn caps(&self, age_s: f64) -> Vec<Cap> {
         // Those that run have gone a part of their step, and taken up what was in their way.
         let mut changed = BTreeMap::new();
@@ -136,11 +156,15 @@ impl Pane {
             }
         }
         let mut changed = changed.into_iter().peekable();
+        let shown = self.area.shown();
+        let is_shown = |at_mm: [f64; 2], radius_mm: f64| shown.is_near(at_mm, 2.0 * radius_mm);
         let mut caps = Vec::with_capacity(self.drops.len());
         for (number, lying) in (0..).zip(&self.drops) {
             caps.extend(match changed.next_if(|(of, _)| *of == number) {
-                Some((_, cap)) => cap,
-                None => (lying.as_ref()).map(|lying| self.cap(lying)),
+                Some((_, cap)) => cap.filter(|cap| is_shown(cap.at_mm, cap.radius_mm)),
+                None => (lying.as_ref())
+                    .filter(|lying| is_shown(lying.at_mm, lying.radius_mm))
+                    .map(|lying| self.cap(lying)),
             });
         }
         caps
@@ -194,7 +218,7 @@ impl Pane {
             radius_mm: TRAIL_RADIUS * before.radius_mm * (0.35 + 0.65 * u),
             ..cap
         };
-        self.put(&small, Lies::Drawn(Drawn::by(&mut trail)), None);
+        self.put(&small, Lies::Drawn(Drawn::by(&mut trail)), (done_s, None));
         let left_mm3 = self.volume_mm3(cap.radius_mm) - self.volume_mm3(small.radius_mm);
         let mut cap = Cap {
             outline: cap.outline,
@@ -232,22 +256,20 @@ impl Pane {
         let by_mm = lying.gone_mm(age_s);
         let [low, high] = [from.min(from + by_mm), from.max(from + by_mm)];
         let in_way = self.near(([x, low], [x, high]), lying.radius_mm, |other| {
-            self.is_where(other, age_s, |[other_x, other_y]| {
-                let (dx, dy) = (other_x - x, other_y - other_y.clamp(low, high));
-                let sum = lying.radius_mm + 0.5 * other.radius_mm;
-                dx * dx + dy * dy < sum * sum
-            })
+            lying.has_come_to(other, age_s)
         });
         let mut volume_mm3 = self.volume_mm3(lying.radius_mm);
-        for known in in_way {
-            if taken.contains_key(&known.number) {
+        for number in in_way {
+            if taken.contains_key(&number) {
                 continue;
             }
-            taken.insert(known.number, None);
-            let other = self.drops[known.number as usize].as_ref();
-            let more_mm = match other.filter(|other| other.runs.is_some()) {
-                Some(other) => (self.gone(other, age_s, taken)).map_or(0.0, |cap| cap.radius_mm),
-                None => known.radius_mm,
+            taken.insert(number, None);
+            let Some(other) = &self.drops[number as usize] else {
+                continue;
+            };
+            let more_mm = match other.runs {
+                Some(_) => (self.gone(other, age_s, taken)).map_or(0.0, |cap| cap.radius_mm),
+                None => other.radius_mm,
             };
             volume_mm3 += self.volume_mm3(more_mm);
         }
@@ -270,15 +292,16 @@ impl Pane {
         match goes.or_else(|| ran.filter(|goes| self.goes_on(cap, *goes))) {
             Some(goes) => self.begin(cap, age_s, goes, trail()),
             None => {
-                self.put(cap, Lies::Known(cap.outline), None);
+                self.put(cap, Lies::Known(cap.outline), (age_s, None));
             }
         }
     }
 
     /// A drop begins a step.
     fn begin(&mut self, cap: &Cap, age_s: f64, goes: f64, trail: ChaCha8Rng) {
-        let done_s = age_s + step_mm(cap.radius_mm) / (RUN_M_S * 1e3);
-        let number = self.put(cap, Lies::Known(cap.outline), Some(Step { goes, done_s }));
+        let done_s = age_s + TRAIL_STEP * cap.radius_mm / (RUN_M_S * 1e3);
+        let step = Step { goes, done_s };
+        let number = self.put(cap, Lies::Known(cap.outline), (age_s, Some(step)));
         self.running.insert((done_s.to_bits(), number), trail);
     }
 
@@ -318,7 +341,7 @@ impl Pane {
         cap.radius_mm > STOPS_AT * moves_from_mm
     }
 
-    fn put(&mut self, cap: &Cap, outline: Lies, runs: Option<Step>) -> u32 {
+    fn put(&mut self, cap: &Cap, outline: Lies, (since_s, runs): (f64, Option<Step>)) -> u32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.drops.push(None);
             u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
@@ -327,6 +350,7 @@ impl Pane {
             at_mm: cap.at_mm,
             radius_mm: cap.radius_mm,
             outline,
+            since_s,
             runs,
             put: self.n_put,
         };
@@ -342,19 +366,18 @@ impl Pane {
         let mut ran = None;
         loop {
             let touched = self.near((cap.at_mm, cap.at_mm), cap.radius_mm, |other| {
-                self.is_where(other, age_s, |at_mm| {
-                    let [dx, dy] = [0, 1].map(|k| at_mm[k] - cap.at_mm[k]);
-                    let sum = cap.radius_mm + other.radius_mm;
-                    dx * dx + dy * dy < sum * sum
-                })
+                let at_mm = other.at_mm(age_s);
+                let [dx, dy] = [0, 1].map(|k| at_mm[k] - cap.at_mm[k]);
+                let sum = cap.radius_mm + other.radius_mm;
+                dx * dx + dy * dy < sum * sum && !self.is_taken_up(other, age_s)
             });
             if touched.is_empty() {
                 return ran;
             }
             let mut taken = Vec::new();
-            for known in touched {
+            for number in touched {
                 // One may have been in the way of another.
-                let Some(lying) = self.clear(known.number) else {
+                let Some(lying) = self.clear(number) else {
                     continue;
                 };
                 ran = ran.or(lying.runs.map(|step| step.goes));
@@ -376,39 +399,39 @@ impl Pane {
         }
     }
 
-    /// The drops about a rectangle that are as asked, and reach to within a distance of it at least. They come in an order
-    /// that does not depend on how they are kept: sums over them have its last bits.
+    /// Whether one that runs has come to a drop by an age, and takes it up when its step is done.
+    fn is_taken_up(&self, other: &Lying, age_s: f64) -> bool {
+        let mut is_taken_up = false;
+        let within_mm = other.goes_mm() + other.radius_mm;
+        let place = (other.at_mm, other.at_mm);
+        self.grid.each_running_near(place, within_mm, |number| {
+            is_taken_up |= (self.drops[number as usize].as_ref())
+                .is_some_and(|it| it.put != other.put && it.has_come_to(other, age_s));
+        });
+        is_taken_up
+    }
+
+    /// Numbers of the drops that are as asked among those that may reach to within a distance of a rectangle. They come in an
+    /// order that does not depend on how they are kept: sums over them have its last bits.
     fn near(
         &self,
         place: ([f64; 2], [f64; 2]),
         within_mm: f64,
-        is: impl Fn(&Known) -> bool,
-    ) -> Vec<Known> {
+        is: impl Fn(&Lying) -> bool,
+    ) -> Vec<u32> {
         let mut found = Vec::new();
-        self.grid.each_near(place, within_mm, |known| {
-            if is(known) {
-                found.push(*known);
+        self.grid.each_near(place, within_mm, |number| {
+            if self.drops[number as usize].as_ref().is_some_and(&is) {
+                found.push(number);
             }
         });
         if found.len() > 1 {
-            found.sort_by_cached_key(|known| {
-                let lying = self.drops[known.number as usize].as_ref();
-                let put = lying.map(|lying| lying.put);
-                (self.grid.order(known.at_mm), put)
+            found.sort_by_cached_key(|number| {
+                let lying = self.drops[*number as usize].as_ref();
+                lying.map(|lying| (self.grid.order(lying.at_mm), lying.put))
             });
         }
         found
-    }
-
-    /// Whether the place of a drop at an age is as asked, and of one that runs that where it began its step, too: what it comes to
-    /// later in its step is in its way when that is done.
-    fn is_where(&self, known: &Known, age_s: f64, is: impl Fn([f64; 2]) -> bool) -> bool {
-        let is_there_now = || {
-            let lying = self.drops[known.number as usize].as_ref();
-            let gone_mm = lying.map_or(0.0, |lying| lying.gone_mm(age_s));
-            is([known.at_mm[0], known.at_mm[1] + gone_mm])
-        };
-        is(known.at_mm) && (!known.runs || is_there_now())
     }
 
     /// As it lies; one that runs where it began its step.

@@ -30,7 +30,7 @@ fn what_lands_meets_a_drop_that_runs_where_it_is_by_then() {
     lands(&mut running, 0.0, 20.0, 3.0);
     for (lands_mm, n_drops, most_mm) in [
         // Where it was, where it is, and where it comes to.
-        (20.0, 1, 25.0),
+        (20.0, 2, 25.0),
         (22.5, 1, 25.0),
         (25.5, 1, 25.1),
         (29.0, 2, 25.0),
@@ -57,18 +57,44 @@ fn what_lands_meets_a_drop_that_runs_where_it_is_by_then() {
 }
 
 #[test]
-fn what_runs_ahead_is_not_thrown_back() {
-    // Where the other began its step is in the way of the first, but it has gone on. So near they may become one.
+fn of_drops_in_one_column_that_do_not_touch_each_runs_by_itself() {
+    // Where the one behind comes to in its step is where the other was when that began, but it has gone on.
     let mut pane = dry();
     lands(&mut pane, 0.0, 10.0, 3.0);
     lands(&mut pane, 0.001, 20.0, 3.0);
-    let mut last_mm = 0.0;
     for age_s in (1..=30).map(|k| f64::from(k) * 0.011) {
         pane.run(age_s);
         let drops = pane.caps(age_s).into_iter();
         let large = drops.filter(|cap| cap.radius_mm > 2.0);
-        let ahead_mm = large.map(|cap| cap.at_mm[1]).fold(0.0, f64::max);
-        assert!(ahead_mm > last_mm, "{age_s} s: {last_mm}, then {ahead_mm}");
-        last_mm = ahead_mm;
+        let mut down_mm: Vec<f64> = large.map(|cap| cap.at_mm[1]).collect();
+        down_mm.sort_by(f64::total_cmp);
+        let ran_mm = [10.0 + 100.0 * age_s, 19.9 + 100.0 * age_s];
+        let is_there = |(is, be): (&f64, &f64)| (is - be).abs() < 1e-9;
+        assert!(
+            down_mm.len() == 2 && down_mm.iter().zip(&ran_mm).all(is_there),
+            "{age_s} s: {down_mm:?} mm, not {ran_mm:?}"
+        );
+    }
+}
+
+#[test]
+fn what_lands_where_another_was_taken_up_lies_there_by_itself() {
+    // A large drop runs over one that holds, and a third falls where that was, in the same step.
+    let mut pane = dry();
+    lands(&mut pane, 0.0, 23.6, 0.5);
+    lands(&mut pane, 0.001, 20.0, 3.0);
+    lands(&mut pane, 0.066, 22.8, 0.6);
+    let with_the_first_mm = 3.0046;
+    for (age_s, least_mm) in [(0.066, with_the_first_mm), (0.068, 2.9), (0.2, 2.8)] {
+        pane.run(age_s);
+        let drops = pane.caps(age_s);
+        let is_there = |least_mm: f64, most_mm: f64| {
+            let mut radii_mm = drops.iter().map(|cap| cap.radius_mm);
+            radii_mm.any(|it| (least_mm..most_mm).contains(&it))
+        };
+        assert!(
+            is_there(least_mm, 3.005) && is_there(0.6 - 1e-9, 0.6 + 1e-9),
+            "{age_s} s: {drops:?}"
+        );
     }
 }

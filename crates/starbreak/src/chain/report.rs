@@ -209,7 +209,7 @@ pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Valu
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
     json!({
         "n_drops": deposit.caps.len(),
-        "coverage": rounded(deposit.coverage(area)),
+        "coverage": rounded(deposit.coverage(&area.shown())),
         "runs_from_mm": Some(rain.runs_from_mm()).filter(|mm| mm.is_finite()).map(rounded),
     })
 }
