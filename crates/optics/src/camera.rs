@@ -284,20 +284,6 @@ impl View {
         Some(self.homogeneous(at)[2])
     }
 
-    /// Whether anything within a distance, mm, of a point of the pane may lie before the camera and between the planes through the
-    /// pinhole and the sides of the frame; of a stretched pane everything may.
-    pub(crate) fn may_show(&self, point: [f64; 2], within_mm: f64) -> bool {
-        let Mapping::Pinhole { f_px, .. } = self.mapping else {
-            return true;
-        };
-        let [x, y, z] = self.homogeneous(point);
-        let is_between = |away: f64, half_px: f64| {
-            f_px * away.abs() - half_px * z <= within_mm * libm::hypot(f_px, half_px)
-        };
-        let [half_width, half_height] = self.center();
-        z > -within_mm && is_between(x, half_width) && is_between(y, half_height)
-    }
-
     /// The pane's normal on the side of the scene, in camera coordinates.
     pub(crate) fn outer_normal(&self) -> [f64; 3] {
         match self.mapping {

@@ -36,6 +36,9 @@ const NARROW: f64 = 0.006;
 /// How much farther than its outline a drop reaches: beyond the sides between the directions by which that is known.
 const BEYOND: f64 = 1.1;
 
+/// No drop reaches farther from its middle, of its radius.
+const FARTHEST: f64 = 2.0;
+
 /// A drop that is drawn cell by cell, by one ray or several in each.
 pub(crate) struct DrawnDrop<'a> {
     pub(super) drop: Drop<'a>,
@@ -350,6 +353,9 @@ impl Seen for DrawnDrop<'_> {
                 let place =
                     [0, 1].map(|k| (at_mm[k] - none.all(cap.at_mm[k])) / none.all(cap.radius_mm));
                 let share = none.below(is_seen, [share, none]);
+                // Far away the form of an outline closes once more, and drops beside a camera are looked for everywhere.
+                let square = place[0] * place[0] + place[1] * place[1];
+                let share = square.below(none.all(FARTHEST * FARTHEST), [share, none]);
                 (share, place, water.sight(sight))
             }
         };

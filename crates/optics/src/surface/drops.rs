@@ -37,13 +37,13 @@ pub(super) enum Seeable<'a> {
 }
 
 impl<'a> Drops<'a> {
-    /// All that reach into the frame: those that are farther from it than so many px do not, blurred by a pupil that reaches so
-    /// many of its radii from its middle. Those that are kept are not traced again, and what is traced of others
+    /// All that reach into the frame, blurred by a pupil that reaches so many of its radii from its middle; those that are
+    /// farther from the frame than `reach_px` do not. Those that are kept are not traced again, and what is traced of others
     /// is kept.
     pub(crate) fn of(
         from: &'a LightFrom<'a>,
         caps: &[Cap],
-        reaches: (f64, f64),
+        (reach_px, pupil_reach): (f64, f64),
         mut kept: Option<&mut Looked>,
     ) -> Self {
         let mut drops = Self::default();
@@ -52,7 +52,7 @@ impl<'a> Drops<'a> {
             None => Vec::new(),
         };
         let mut drop_of = |cap: &Cap| {
-            let seen = SeenAt::of(cap, from.sheet, reaches)?;
+            let seen = SeenAt::of(cap, from.sheet, reach_px)?;
             let small = SmallDrop::of(&seen, |at_px, is_soft| {
                 let contact = cap.contact_rad.to_bits();
                 let known = glimpses.iter().position(|(of, _)| *of == contact);
@@ -67,7 +67,7 @@ impl<'a> Drops<'a> {
                 return Some((small.reaches(), Seeable::Small(small)));
             }
             let drop = Drop::of(*cap, from, seen.enters_mm)?;
-            let drawn = DrawnDrop::of(drop, &seen, reaches.1)?;
+            let drawn = DrawnDrop::of(drop, &seen, pupil_reach)?;
             Some((drawn.reaches(), Seeable::Traced(drawn)))
         };
         for (k, cap) in caps.iter().enumerate() {

@@ -31,9 +31,6 @@ const AROUND: [[f64; 2]; 16] = {
     around
 };
 
-/// No drop reaches farther from its middle, of its radius.
-const MOST_REACH: f64 = 2.0;
-
 /// Where a drop is seen, about its middle.
 pub(super) struct SeenAt {
     /// Where the ray of sight to its middle enters the pane.
@@ -50,13 +47,8 @@ pub(super) struct SeenAt {
 }
 
 impl SeenAt {
-    /// None of one that is farther from the frame than so many px and some of its own radii, or than what a pupil sees of it that
-    /// reaches so many of its radii from its middle, or too small to be seen.
-    pub(super) fn of(
-        cap: &Cap,
-        sheet: &SheetView,
-        (reach_px, pupil_reach): (f64, f64),
-    ) -> Option<Self> {
+    /// None of one that is farther from the frame than so many px and some of its own radii, or too small to be seen.
+    pub(super) fn of(cap: &Cap, sheet: &SheetView, reach_px: f64) -> Option<Self> {
         let [[px_per_mm, _], _] = sheet.view().jacobian(cap.at_mm)?;
         let radius_px = px_per_mm * cap.radius_mm;
         if radius_px < LEAST_DROP_PX {
@@ -83,12 +75,6 @@ impl SeenAt {
             }
         }
         let blur_px = sheet.blur_radius_px(cap.at_mm, sheet.outer_mm())?;
-        // Beside a camera, where nothing changes evenly, px do not tell how far it is.
-        let blur_mm = pupil_reach * blur_px.abs() / px_per_mm;
-        let within_mm = MOST_REACH * cap.radius_mm + blur_mm + sheet.outer_mm();
-        if !sheet.view().may_show(cap.at_mm, within_mm) {
-            return None;
-        }
         Some(Self {
             enters_mm,
             at_px,
