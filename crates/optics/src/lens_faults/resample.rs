@@ -68,14 +68,25 @@ fn resample_of<const COLORS: usize>(
                             let across = Taps::between(t, &moves_across);
                             let down = Taps::between(t, &moves_down);
                             let row = &mut rows[y * width + left..y * width + right];
-                            if COLORS == 1
-                                && let Some(first) =
-                                    first_of_all([&across, &down], [left, y], (width, height))
-                                && let Some(row) = row.as_flattened_mut().first_chunk_mut()
+                            if let Some(first) =
+                                first_of_all([&across, &down], [left, y], (width, height))
                             {
-                                let light = &light.as_flattened()[first..];
-                                *row = sample_row(light, width, &across.shares, &down.shares);
-                                continue;
+                                let light = light[first..].as_flattened();
+                                let row = row.as_flattened_mut();
+                                let n_row = width * COLORS;
+                                if COLORS == 1
+                                    && let Some(row) = row.first_chunk_mut()
+                                {
+                                    *row =
+                                        sample_row(light, (n_row, 1), &across.shares, &down.shares);
+                                    continue;
+                                }
+                                if let Some(row) = row.first_chunk_mut() {
+                                    let across = of_colors(&across.shares);
+                                    let down = of_colors(&down.shares);
+                                    *row = sample_row(light, (n_row, COLORS), &across, &down);
+                                    continue;
+                                }
                             }
                             for (x, pixel) in row.iter_mut().enumerate() {
                                 let (across, down) = (across.at(x, left + x), down.at(x, y));
@@ -151,31 +162,44 @@ fn first_of_all(
     is_inside.then_some(top * width + left)
 }
 
-/// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`].
+/// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`]. There are
+/// so many values in a row, and so many of each pixel.
 #[inline(always)]
-fn sample_row(
+fn sample_row<const N: usize>(
     light: &[f32],
-    width: usize,
-    across: &[[f32; SQUARE]; 4],
-    down: &[[f32; SQUARE]; 4],
-) -> [f32; SQUARE] {
-    let mut columns = [[0.0; SQUARE]; 4];
+    (n_row, n_colors): (usize, usize),
+    across: &[[f32; N]; 4],
+    down: &[[f32; N]; 4],
+) -> [f32; N] {
+    let mut columns = [[0.0; N]; 4];
     for (j, down) in down.iter().enumerate() {
-        let row = &light[j * width..][..SQUARE + 3];
+        let row = &light[j * n_row..][..N + 3 * n_colors];
         for (i, column) in columns.iter_mut().enumerate() {
-            let row = &row[i..i + SQUARE];
-            for x in 0..SQUARE {
+            let row = &row[i * n_colors..][..N];
+            for x in 0..N {
                 column[x] += down[x] * row[x];
             }
         }
     }
-    let mut sum = [0.0; SQUARE];
-    for x in 0..SQUARE {
+    let mut sum = [0.0; N];
+    for x in 0..N {
         let near = across[0][x] * columns[0][x] + across[1][x] * columns[1][x];
         let far = across[2][x] * columns[2][x] + across[3][x] * columns[3][x];
         sum[x] = (near + far).max(0.0);
     }
     sum
+}
+
+/// Shares of places for each of their colors.
+#[inline(always)]
+fn of_colors(shares: &[[f32; SQUARE]; 4]) -> [[f32; 3 * SQUARE]; 4] {
+    let mut all = [[0.0; 3 * SQUARE]; 4];
+    for (all, shares) in all.iter_mut().zip(shares) {
+        for (x, to) in all.iter_mut().enumerate() {
+            *to = shares[x / 3];
+        }
+    }
+    all
 }
 
 /// The light at a place, by four columns and four rows: the first of them, and their shares.
