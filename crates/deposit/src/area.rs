@@ -19,7 +19,7 @@ pub struct Area {
     /// Least radius of drops that are seen at its upper edge, mm, and by how much more below it, mm per mm.
     least_mm: f64,
     grows: f64,
-    /// From which height on it is shown, mm, and by how much farther down as far aside.
+    /// From which height on it is shown, mm, and how much higher up it reaches as far aside.
     shown_from_mm: f64,
     run_in_mm: f64,
 }
@@ -40,8 +40,8 @@ impl Area {
         }
     }
 
-    /// Of which frames show no more than what is below a height, mm, and there no more than what it has `run_in_mm` farther up.
-    /// The rest is where drops come from that run down.
+    /// Of which frames show no more than what is below a height, mm, and no farther aside there than it reaches `run_in_mm`
+    /// higher up. From the rest drops come that run down.
     #[must_use]
     pub fn shown_below(self, from_mm: f64, run_in_mm: f64) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl Area {
             from_mm: [self.from_mm[0], from_mm],
             cut_mm: [0, 1].map(|k| if cuts[k] { cut_mm[k] } else { 0.0 }),
             widens: [0, 1].map(|k| if cuts[k] { self.widens[k] } else { 0.0 }),
-            least_mm: self.least_radius_mm(from_mm),
+            least_mm: self.least_mm + self.grows * (from_mm - self.from_mm[1]),
             run_in_mm: 0.0,
             ..*self
         }
