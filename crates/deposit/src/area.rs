@@ -19,7 +19,7 @@ pub struct Area {
     /// Least radius of drops that are seen at its upper edge, mm, and by how much more below it, mm per mm.
     least_mm: f64,
     grows: f64,
-    /// From which height on it is shown, mm, and how much higher up it reaches as far aside.
+    /// Height from which on it is shown, mm, and how much higher up it is as wide as what is shown.
     shown_from_mm: f64,
     run_in_mm: f64,
 }
@@ -40,8 +40,8 @@ impl Area {
         }
     }
 
-    /// Of which frames show no more than what is below a height, mm, and no farther aside there than it reaches `run_in_mm`
-    /// higher up. From the rest drops come that run down.
+    /// Of which frames show only a part: nothing above a height, mm, and at each height no more to the sides than the area has
+    /// `run_in_mm` higher up. Drops run down from the rest.
     #[must_use]
     pub fn shown_below(self, from_mm: f64, run_in_mm: f64) -> Self {
         Self {

@@ -194,7 +194,7 @@ impl Grid {
         }
     }
 
-    /// The same for those that run alone.
+    /// The same, but only for those that run.
     pub(crate) fn each_running_near(
         &self,
         place: ([f64; 2], [f64; 2]),
@@ -224,8 +224,8 @@ impl OfKind {
         let reach = within_mm + farthest_mm;
         let [left, right] = [from_mm[0] - reach, to_mm[0] + reach].map(|x| cells.along(0, x));
         let [top, bottom] = [from_mm[1] - reach, to_mm[1] + reach].map(|y| cells.along(1, y));
-        let [from, to] = [from_mm, to_mm].map(short);
-        let [within, _] = short([within_mm, 0.0]);
+        let [from, to] = [from_mm, to_mm].map(|mm| mm.map(short));
+        let within = short(within_mm);
         for x in left..=right {
             let column = x * cells.n[1];
             for first in &first[column + top..=column + bottom] {
@@ -257,10 +257,9 @@ impl Known {
     }
 
     fn kept(&self) -> Kept {
-        let [reaches_mm, _] = short([self.radius_mm + self.goes_mm, 0.0]);
         Kept {
-            at_mm: short(self.at_mm),
-            reaches_mm,
+            at_mm: self.at_mm.map(short),
+            reaches_mm: short(self.radius_mm + self.goes_mm),
             number: self.number,
         }
     }
@@ -273,8 +272,8 @@ impl Handful {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "mm of a pane")]
-fn short(mm: [f64; 2]) -> [f32; 2] {
-    [mm[0] as f32, mm[1] as f32]
+fn short(mm: f64) -> f32 {
+    mm as f32
 }
 
 /// Places of the handfuls of a cell, by that of the first, plus one.

@@ -239,8 +239,8 @@ impl Rain {
 
     /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
     /// later age goes on from what was there. Drops that land where they are too small to be seen are left out
-    /// ([`Area::without_smaller`]), as far as they bring a hundredth of the water; where frames show only a part of the area, what
-    /// lies elsewhere in the end is, too ([`Area::shown_below`]).
+    /// ([`Area::without_smaller`]), as far as they bring a hundredth of the water. Of an area of which frames show only a part
+    /// ([`Area::shown_below`]), the drops that lie in that part, or reach into it.
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
         Falls::of(*self, *area, seed).at(self.age_s)

@@ -210,7 +210,7 @@ impl Pane {
             uniform(&mut trail),
             uniform(&mut trail),
         ];
-        let small = Cap {
+        let mut small = Cap {
             at_mm: [
                 before.at_mm[0] + 0.3 * before.radius_mm * (2.0 * v - 1.0),
                 before.at_mm[1] - goes * 0.3 * before.radius_mm * w,
@@ -218,8 +218,16 @@ impl Pane {
             radius_mm: TRAIL_RADIUS * before.radius_mm * (0.35 + 0.65 * u),
             ..cap
         };
-        self.put(&small, Lies::Drawn(Drawn::by(&mut trail)), (done_s, None));
         let left_mm3 = self.volume_mm3(cap.radius_mm) - self.volume_mm3(small.radius_mm);
+        let drawn = Drawn::by(&mut trail);
+        // What fell there meanwhile takes it up.
+        let left_mm = small.radius_mm;
+        let ran = self.take_up(&mut small, done_s);
+        if small.radius_mm > left_mm {
+            self.leave(&small, (done_s, ran), || trail.clone());
+        } else {
+            self.put(&small, Lies::Drawn(drawn), (done_s, None));
+        }
         let mut cap = Cap {
             outline: cap.outline,
             ..self.round(cap.at_mm, left_mm3)

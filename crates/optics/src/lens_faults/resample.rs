@@ -162,8 +162,8 @@ fn first_of_all(
     is_inside.then_some(top * width + left)
 }
 
-/// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`]. There are
-/// so many values in a row, and so many of each pixel.
+/// The light at places side by side, each by four columns and four rows, from the first of all: as [`sample`]. `n_row` values
+/// make a row of the frame, `n_colors` a pixel.
 #[inline(always)]
 fn sample_row<const N: usize>(
     light: &[f32],
