@@ -16,7 +16,7 @@ const RUN: usize = 2;
 /// Side of the cells by which drops are put in order, mm.
 const ORDER_MM: f64 = 4.0;
 
-/// More than what a place of a pane is off by where it is kept in four bytes, mm.
+/// A place of a pane that is kept in single precision is off by less, mm.
 const OFF_MM: f32 = 0.01;
 
 /// A drop that is put into a grid.
@@ -50,7 +50,7 @@ struct Kept {
 /// Most drops that lie side by side in memory.
 const HANDFUL: usize = 3;
 
-/// Some drops of a cell, in one piece of what processors read at once. Only in a cell's first handful is there room.
+/// Some drops of a cell, in one line of a processor's cache. Only in a cell's first handful is there room.
 #[derive(Debug, Clone)]
 #[repr(align(64))]
 struct Handful {

@@ -42,8 +42,7 @@ impl Default for Outline {
     }
 }
 
-/// Numbers from 0 to 1 that make the outline of a drop that fell. Most of the drops that one leaves on its way are taken up
-/// by others, and nothing more is asked about their outlines.
+/// Numbers from 0 to 1 that make the outline of a drop that fell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
     /// How high all waves are together.

@@ -34,7 +34,7 @@ const MOST_AWAITED: f64 = 1e6;
 struct Lying {
     at_mm: [f64; 2],
     radius_mm: f64,
-    outline: Lies,
+    outline: Outline,
     /// Since when it lies there, or runs from there, s of the pane's age.
     since_s: f64,
     runs: Option<Step>,
@@ -47,13 +47,6 @@ struct Lying {
 struct Step {
     goes: f64,
     done_s: f64,
-}
-
-/// How far a drop is from round: as it is known, or as what it was left with makes it.
-#[derive(Debug, Clone, Copy)]
-enum Lies {
-    Known(Outline),
-    Drawn(Drawn),
 }
 
 impl Lying {
@@ -216,18 +209,13 @@ impl Pane {
                 before.at_mm[1] - goes * 0.3 * before.radius_mm * w,
             ],
             radius_mm: TRAIL_RADIUS * before.radius_mm * (0.35 + 0.65 * u),
+            outline: Outline::fallen(&Drawn::by(&mut trail), self.most_bulges),
             ..cap
         };
         let left_mm3 = self.volume_mm3(cap.radius_mm) - self.volume_mm3(small.radius_mm);
-        let drawn = Drawn::by(&mut trail);
-        // What fell there meanwhile takes it up.
-        let left_mm = small.radius_mm;
+        // Others may have fallen there meanwhile.
         let ran = self.take_up(&mut small, done_s);
-        if small.radius_mm > left_mm {
-            self.leave(&small, (done_s, ran), || trail.clone());
-        } else {
-            self.put(&small, Lies::Drawn(drawn), (done_s, None));
-        }
+        self.leave(&small, (done_s, ran), || trail.clone());
         let mut cap = Cap {
             outline: cap.outline,
             ..self.round(cap.at_mm, left_mm3)
@@ -272,12 +260,11 @@ impl Pane {
                 continue;
             }
             taken.insert(number, None);
-            let Some(other) = &self.drops[number as usize] else {
-                continue;
-            };
-            let more_mm = match other.runs {
-                Some(_) => (self.gone(other, age_s, taken)).map_or(0.0, |cap| cap.radius_mm),
-                None => other.radius_mm,
+            let more_mm = match &self.drops[number as usize] {
+                Some(other) if other.runs.is_some() => {
+                    (self.gone(other, age_s, taken)).map_or(0.0, |cap| cap.radius_mm)
+                }
+                other => other.as_ref().map_or(0.0, |other| other.radius_mm),
             };
             volume_mm3 += self.volume_mm3(more_mm);
         }
@@ -300,7 +287,7 @@ impl Pane {
         match goes.or_else(|| ran.filter(|goes| self.goes_on(cap, *goes))) {
             Some(goes) => self.begin(cap, age_s, goes, trail()),
             None => {
-                self.put(cap, Lies::Known(cap.outline), (age_s, None));
+                self.put(cap, (age_s, None));
             }
         }
     }
@@ -309,7 +296,7 @@ impl Pane {
     fn begin(&mut self, cap: &Cap, age_s: f64, goes: f64, trail: ChaCha8Rng) {
         let done_s = age_s + TRAIL_STEP * cap.radius_mm / (RUN_M_S * 1e3);
         let step = Step { goes, done_s };
-        let number = self.put(cap, Lies::Known(cap.outline), (age_s, Some(step)));
+        let number = self.put(cap, (age_s, Some(step)));
         self.running.insert((done_s.to_bits(), number), trail);
     }
 
@@ -349,7 +336,7 @@ impl Pane {
         cap.radius_mm > STOPS_AT * moves_from_mm
     }
 
-    fn put(&mut self, cap: &Cap, outline: Lies, (since_s, runs): (f64, Option<Step>)) -> u32 {
+    fn put(&mut self, cap: &Cap, (since_s, runs): (f64, Option<Step>)) -> u32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.drops.push(None);
             u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
@@ -357,7 +344,7 @@ impl Pane {
         let lying = Lying {
             at_mm: cap.at_mm,
             radius_mm: cap.radius_mm,
-            outline,
+            outline: cap.outline,
             since_s,
             runs,
             put: self.n_put,
@@ -448,10 +435,7 @@ impl Pane {
             at_mm: lying.at_mm,
             radius_mm: lying.radius_mm,
             contact_rad: self.rain.contact_rad,
-            outline: match &lying.outline {
-                Lies::Known(outline) => *outline,
-                Lies::Drawn(drawn) => Outline::fallen(drawn, self.most_bulges),
-            },
+            outline: lying.outline,
         }
     }
 
