@@ -50,7 +50,8 @@ fn colors<const N: usize>(
             values.extend(light(x as f64 + 0.5, y as f64 + 0.5).map(|value| value as f32));
         }
     }
-    lens.over(&mut values, N, (optic, None), Seed(1));
+    lens.for_frames(optic)
+        .over(&mut values, N, None, (0.0, Seed(1)));
     values.into_iter().map(f64::from).collect()
 }
 
@@ -388,7 +389,7 @@ fn a_corner_moves_as_far_as_is_said_and_masks_with_it() {
     // A mask moves as the picture does.
     let mut mask = image::GrayImage::new(1242, 375);
     mask.put_pixel(1000, 300, image::Luma([255]));
-    let mask = lens.moved_mask(mask, &optic);
+    let mask = lens.for_frames(&optic).moved_mask(mask);
     let to = fault.moved([1000.5, 300.5], &optic);
     let brightest = mask
         .enumerate_pixels()
@@ -475,7 +476,8 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
             .map(|k| lamp(f64::from(k % 200), f64::from(k / 200)) as f32)
             .collect();
         lens.unclip(&mut light, 1, 200);
-        lens.over(&mut light, 1, (&optic, None), Seed(1));
+        lens.for_frames(&optic)
+            .over(&mut light, 1, None, (0.0, Seed(1)));
         f64::from(light[100 * 200 + 120])
     };
     assert!((of(50.0) / of(1.0) - 50.0).abs() < 0.01, "its glow, too");

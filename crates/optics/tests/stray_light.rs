@@ -138,7 +138,8 @@ fn ghosts_hold_what_two_faces_mirror() {
     let lens = with(double_gauss(0.02));
     // On the axis all ghosts are in the frame, but for the widest of them.
     let mut frame = lamp((450, 450), 1e6);
-    lens.over(&mut frame, 3, (&optic(), None), Seed(1));
+    lens.for_frames(&optic())
+        .over(&mut frame, 3, None, (0.0, Seed(1)));
     frame[(450 * 901 + 450) * 3..][..3].fill(0.0);
     let green: f64 = frame
         .iter()
@@ -180,7 +181,8 @@ fn ghosts_of_the_sun_beside_the_frame_lie_on_the_line_through_the_middle() {
     let length = direction.iter().map(|it| it * it).sum::<f64>().sqrt();
     let sun = Lamp::of_sun(direction.map(|it| it / length), [1.0; 3], &optic());
     let mut frame = vec![0.0_f32; 901 * 901 * 3];
-    lens.over(&mut frame, 3, (&optic(), sun), Seed(1));
+    lens.for_frames(&optic())
+        .over(&mut frame, 3, sun, (0.0, Seed(1)));
     let (mut along, mut all) = ([0.0; 2], 0.0);
     for (k, pixel) in frame.chunks_exact(3).enumerate() {
         let at = [(k % 901) as f64 - 450.0, (k / 901) as f64 - 450.0];
@@ -209,7 +211,8 @@ fn glare(sun: Option<Lamp>, pixel: Option<(usize, f32)>) -> Vec<f32> {
     if let Some((at, light)) = pixel {
         frame[at] = light;
     }
-    lens.over(&mut frame, 1, (&optic, sun), Seed(1));
+    lens.for_frames(&optic)
+        .over(&mut frame, 1, sun, (0.0, Seed(1)));
     frame
 }
 
@@ -280,7 +283,8 @@ fn a_lens_that_bends_lines_moves_the_sun_as_what_an_image_shows() {
         .and_then(|moved| moved.seen_at([330.0, 60.0]));
     lens.push(0.0, Glare { veil: 0.02 });
     let mut frame = vec![0.0; 400 * 300];
-    lens.over(&mut frame, 1, (&optic, sun_at([330.0, 60.0])), Seed(1));
+    lens.for_frames(&optic)
+        .over(&mut frame, 1, sun_at([330.0, 60.0]), (0.0, Seed(1)));
     let brightest = (0..frame.len()).max_by(|a, b| frame[*a].total_cmp(&frame[*b]));
     let (Some([u, v]), Some(at)) = (moved, brightest) else {
         panic!("a sun in the frame is seen");
@@ -308,7 +312,9 @@ fn a_star_has_the_spikes_and_the_light_of_its_edges() {
             angle_rad: 0.2,
         };
         let mut frame = lamp((450, 450), 1000.0);
-        with(star).over(&mut frame, 3, (&optic(), None), Seed(1));
+        with(star)
+            .for_frames(&optic())
+            .over(&mut frame, 3, None, (0.0, Seed(1)));
         for color in 0..3 {
             let all = beyond(&frame, color, -1.0);
             assert!(
@@ -360,7 +366,8 @@ fn nothing_brighter_than_white_has_no_star_and_no_ghost() {
         angle_rad: 0.0,
     };
     for lens in [with(star), with(double_gauss(0.04))] {
-        lens.over(&mut frame, 3, (&optic(), None), Seed(1));
+        lens.for_frames(&optic())
+            .over(&mut frame, 3, None, (0.0, Seed(1)));
         assert!(frame == before, "as it was");
     }
     let none = Star { blades: 0, ..star };

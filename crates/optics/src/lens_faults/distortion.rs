@@ -1,7 +1,7 @@
 //! Lines that bend, and a picture that is moved.
 
 use super::Optic;
-use super::resample::{Channel, resample};
+use super::resample::{Beyond, Resampling};
 
 /// How a lens projects what a pinhole would.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -129,31 +129,28 @@ impl Distortion {
             p: [0.0; 2],
             ..*self
         };
+        let most = without_p.grows_up_to(k);
+        let is_radial = self.p.iter().all(|p| p.abs() <= 0.0);
+        let most_shown = match is_radial && most.is_finite() {
+            true => without_p.of_plane([most, 0.0], k)[0],
+            false => f64::INFINITY,
+        };
         OfFrames {
             fault: *self,
             k,
-            most: without_p.grows_up_to(k),
+            most,
+            most_shown,
             middle: optic.middle(),
             f_px: optic.f_px,
         }
     }
 
-    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
+    /// Where the pixels of frames come from.
+    pub(super) fn resampling(&self, optic: &Optic) -> Resampling {
         let of_frames = self.for_frames(optic);
-        let [right, bottom] = of_frames.middle.map(|half| 2.0 * half);
-        let from = |u: f64, v: f64| {
-            let at = of_frames.shown_at([u, v])?;
-            let is_inside = (0.0..=right).contains(&at[0]) && (0.0..=bottom).contains(&at[1]);
-            is_inside.then_some(at)
-        };
-        *light = resample(
-            light,
-            Channel {
-                n: n_colors,
-                size: optic.size,
-            },
-            from,
-        );
+        Resampling::new(optic.size, Beyond::Nothing, |u, v| {
+            of_frames.shown_at([u, v])
+        })
     }
 }
 
@@ -164,6 +161,8 @@ pub(super) struct OfFrames {
     k: [f64; 4],
     /// Distance from the axis up to which the law grows.
     most: f64,
+    /// Distance from the axis at which that is shown, beyond which nothing is.
+    most_shown: f64,
     middle: [f64; 2],
     f_px: f64,
 }
@@ -186,7 +185,10 @@ impl OfFrames {
     /// What place of a pinhole's frame, or beyond it, the camera shows at a place, px; none where it shows none.
     pub(super) fn shown_at(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         let at = [u - self.fault.shift_px[0], v - self.fault.shift_px[1]];
-        let at = std::array::from_fn(|k| (at[k] - self.middle[k]) / self.f_px);
+        let at: [f64; 2] = std::array::from_fn(|k| (at[k] - self.middle[k]) / self.f_px);
+        if libm::hypot(at[0], at[1]) > self.most_shown {
+            return None;
+        }
         let [x, y] = self.fault.of_picture(at, self.k, self.most)?;
         Some([
             self.middle[0] + self.f_px * x,

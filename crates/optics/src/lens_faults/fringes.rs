@@ -1,6 +1,6 @@
 //! Colors whose pictures are not of one size, or not sharp at one place.
 
-use super::resample::{Channel, resample};
+use super::resample::{Beyond, Resampling};
 use super::{Defocus, Optic};
 
 /// Colored fringes: red and blue are larger or smaller than green, and sharp elsewhere.
@@ -25,42 +25,52 @@ impl Fringes {
         self.lateral_px.clamp(-most, most)
     }
 
+    /// Where red and blue come from; nothing where both stay.
+    pub(super) fn resamplings(&self, optic: &Optic) -> Vec<Resampling> {
+        if self.lateral_px.abs() <= 0.0 {
+            return Vec::new();
+        }
+        // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
+        let corner_px = optic.half_diagonal_px();
+        let k_red = 0.5 * self.corner_px(optic) / corner_px;
+        let [middle_x, middle_y] = optic.middle();
+        let per_px2 = 1.0 / (corner_px * corner_px);
+        let of_color = |k: f64| {
+            Resampling::new(optic.size, Beyond::Border, |u, v| {
+                let (x, y) = (u - middle_x, v - middle_y);
+                let shrunk = shrunk(per_px2 * (x * x + y * y), k);
+                Some([middle_x + shrunk * x, middle_y + shrunk * y])
+            })
+        };
+        vec![of_color(k_red), of_color(-k_red)]
+    }
+
     /// Red and blue of a color image; gray has no fringes.
-    pub(super) fn over(&self, light: &mut [f32], n_colors: usize, optic: &Optic) {
+    pub(super) fn over(
+        &self,
+        light: &mut [f32],
+        n_colors: usize,
+        (optic, resamplings): (&Optic, &[Resampling]),
+    ) {
         if n_colors != 3 {
             return;
         }
         let pixels = light.as_chunks_mut::<3>().0;
-        let mut red: Vec<f32> = pixels.iter().map(|[red, _, _]| *red).collect();
-        let mut blue: Vec<f32> = pixels.iter().map(|[_, _, blue]| *blue).collect();
-        self.over_plane(&mut red, 1.0, optic);
-        self.over_plane(&mut blue, -1.0, optic);
-        for (pixel, (red, blue)) in pixels.iter_mut().zip(red.iter().zip(&blue)) {
-            [pixel[0], pixel[2]] = [*red, *blue];
-        }
-    }
-
-    /// A color by itself: of red with a sign of 1, of blue with -1.
-    fn over_plane(&self, plane: &mut Vec<f32>, sign: f64, optic: &Optic) {
-        if self.lateral_px.abs() > 0.0 {
-            // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
-            let corner_px = optic.half_diagonal_px();
-            let k = 0.5 * sign * self.corner_px(optic) / corner_px;
-            let [middle_x, middle_y] = optic.middle();
-            let per_px2 = 1.0 / (corner_px * corner_px);
-            let from = |u: f64, v: f64| {
-                let [x, y] = [u - middle_x, v - middle_y];
-                let shrunk = shrunk(per_px2 * (x * x + y * y), k);
-                Some([middle_x + shrunk * x, middle_y + shrunk * y])
-            };
-            let size = optic.size;
-            *plane = resample(plane, Channel { n: 1, size }, from);
-        }
-        if self.axial_m.abs() > 0.0 {
-            let shift = Defocus {
-                sensor_shift_m: -sign * self.axial_m,
-            };
-            shift.over(plane, 1, optic);
+        for (color, sign) in [(0, 1.0), (2, -1.0)] {
+            let mut plane: Vec<f32> = pixels.iter().map(|pixel| pixel[color]).collect();
+            // That of red comes first.
+            if let Some(resampling) = resamplings.get(color / 2) {
+                plane = resampling.over(&plane, 1);
+            }
+            if self.axial_m.abs() > 0.0 {
+                let shift = Defocus {
+                    sensor_shift_m: -sign * self.axial_m,
+                };
+                shift.over(&mut plane, 1, optic);
+            }
+            for (pixel, value) in pixels.iter_mut().zip(plane) {
+                pixel[color] = value;
+            }
         }
     }
 }

@@ -12,6 +12,7 @@ mod fringes;
 mod ghosts;
 mod glare;
 mod lamps;
+mod of_frames;
 mod resample;
 mod shading;
 mod shake;
@@ -19,9 +20,6 @@ mod star;
 
 use std::borrow::Cow;
 use std::ops::Range;
-
-use image::GrayImage;
-use starbreak_seed::Seed;
 
 use crate::lens::Lens;
 
@@ -31,6 +29,7 @@ pub use fringes::Fringes;
 pub use ghosts::{Ghost, Ghosts, LensFace};
 pub use glare::Glare;
 pub use lamps::Lamp;
+pub use of_frames::LensOfFrames;
 pub use shading::Shading;
 pub use shake::Shake;
 pub use star::Star;
@@ -141,7 +140,7 @@ impl MovedPlaces {
 /// lens.push(0.0, Shading { corner_loss: 0.5 });
 /// let optic = Optic { f_px: 50.0, lens: Lens::default(), size: (40, 30) };
 /// let mut light = vec![1.0; 40 * 30];
-/// lens.over(&mut light, 1, (&optic, None), Seed(1));
+/// lens.for_frames(&optic).over(&mut light, 1, None, (0.0, Seed(1)));
 /// assert!(light[0] < 0.52, "half of the light is lost in a corner");
 /// assert!(light[15 * 40 + 20] > 0.99, "and none in the middle");
 /// ```
@@ -238,49 +237,10 @@ impl LensFaults {
         Vec::new()
     }
 
-    /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
-    /// side, in place. What differs from frame to frame is drawn from the seed.
-    /// The sun, which may stand beside the frame, is one more lamp for ghosts and glare.
-    pub fn over(
-        &self,
-        light: &mut Vec<f32>,
-        n_colors: usize,
-        (optic, sun): (&Optic, Option<Lamp>),
-        frame: Seed,
-    ) {
-        if light.is_empty() {
-            return;
-        }
-        // Before a blur makes lamps large and dim.
-        let has_ghosts =
-            (self.faults.iter()).any(|(_, fault)| matches!(fault, LensFault::Ghosts(_)));
-        let mut lamps = match has_ghosts {
-            true => lamps::lamps_of(light, n_colors, optic.size),
-            false => Vec::new(),
-        };
-        let sun = sun.and_then(|sun| self.as_seen(sun, optic));
-        lamps.extend(sun);
-        for (_, fault) in &self.faults {
-            match fault {
-                LensFault::Distortion(it) => it.over(light, n_colors, optic),
-                LensFault::Fringes(it) => it.over(light, n_colors, optic),
-                LensFault::Defocus(it) => it.over(light, n_colors, optic),
-                LensFault::Shake(it) => it.over(light, n_colors, optic, frame),
-                LensFault::Ghosts(it) => it.over(light, n_colors, optic, &lamps),
-                LensFault::Star(it) => it.over(light, n_colors, optic),
-                LensFault::Glare(it) => it.over(light, n_colors, (optic, sun.as_ref())),
-                LensFault::Shading(it) => it.over(light, n_colors, optic),
-            }
-        }
-    }
-
-    /// A lamp where a lens that bends lines shows it; none where it does not.
-    fn as_seen(&self, lamp: Lamp, optic: &Optic) -> Option<Lamp> {
-        let at_px = match self.moved_places(optic) {
-            Some(moved) => moved.seen_at(lamp.at_px)?,
-            None => lamp.at_px,
-        };
-        Some(Lamp { at_px, ..lamp })
+    /// For the frames of one camera: what all of them share is found once.
+    #[must_use]
+    pub fn for_frames(&self, optic: &Optic) -> LensOfFrames {
+        LensOfFrames::new(self.clone(), *optic)
     }
 
     /// Share of the light of every pixel that is spread over the frame.
@@ -291,33 +251,5 @@ impl LensFaults {
             _ => kept,
         });
         1.0 - kept
-    }
-
-    /// Moves a value of each pixel of a frame, in rows from the top, as what an image shows is; 0 where nothing is shown.
-    /// Beside an edge values may come out a little higher than any was.
-    pub fn move_values(&self, values: &mut Vec<f32>, optic: &Optic) {
-        for (_, fault) in &self.faults {
-            if let LensFault::Distortion(it) = fault {
-                it.over(values, 1, optic);
-            }
-        }
-    }
-
-    /// A mask of the frame, moved as what an image shows is.
-    #[must_use]
-    pub fn moved_mask(&self, mut mask: GrayImage, optic: &Optic) -> GrayImage {
-        if self.moves_labels() {
-            let mut values: Vec<f32> = mask.iter().map(|code| f32::from(*code)).collect();
-            self.move_values(&mut values, optic);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a code"
-            )]
-            for (code, value) in mask.iter_mut().zip(values) {
-                *code = (value + 0.5).min(255.0) as u8;
-            }
-        }
-        mask
     }
 }

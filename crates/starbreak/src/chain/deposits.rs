@@ -156,6 +156,7 @@ impl Chain {
             layer,
             on_pane,
             screens,
+            lens: self.lens.clone(),
             coat_seed: self.coat_seed,
             origin: Origin::Stored,
             facts,

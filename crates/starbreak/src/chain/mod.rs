@@ -19,6 +19,7 @@ use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
+use starbreak_optics::lens_faults::LensOfFrames;
 use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
 use starbreak_sensor::Moment;
@@ -66,6 +67,8 @@ pub struct Chain {
     on_pane: Option<Arc<OnPane>>,
     /// Coats on the glass, in the order of the settings, and what places them.
     screens: Vec<Arc<Screen>>,
+    /// The faulty lens before such frames, if the optics know one.
+    lens: Option<Arc<LensOfFrames>>,
     coat_seed: Option<Seed>,
     origin: Origin,
     facts: Map<String, Value>,
@@ -178,6 +181,7 @@ impl Chain {
             layer,
             on_pane: None,
             screens: Vec::new(),
+            lens: None,
             coat_seed: None,
             origin: Origin::Stored,
             facts,
@@ -198,10 +202,12 @@ impl Chain {
         self.with_faults()
     }
 
-    /// With what a record says of the camera's faults.
+    /// With the faulty lens before such frames, and what a record says of the camera's faults.
     fn with_faults(mut self) -> Self {
+        self.lens = None;
         if let Some(faults) = &self.settings.faults {
             let optic = Scene::of(&self.settings, self.size()).optic();
+            self.lens = (optic.as_ref()).map(|optic| Arc::new(faults.lens.for_frames(optic)));
             let facts = report::faults_to_json(faults, optic.as_ref(), self.size());
             self.facts.insert("faults".to_owned(), facts);
         }
@@ -368,10 +374,9 @@ impl Chain {
     /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
     pub fn crack_mask(&self) -> Result<GrayImage, Error> {
         let mask = self.layer.crack_mask()?;
-        let optic = Scene::of(&self.settings, self.size()).optic();
-        Ok(match (&self.settings.faults, optic) {
-            (Some(faults), Some(optic)) => faults.lens.moved_mask(mask, &optic),
-            _ => mask,
+        Ok(match &self.lens {
+            Some(lens) => lens.moved_mask(mask),
+            None => mask,
         })
     }
 
@@ -426,7 +431,7 @@ impl Chain {
     fn with_camera<'a>(&'a self, glass: Glass<'a>, light: Environment) -> Lit<'a> {
         Lit {
             glass,
-            behind: Behind::of(&self.settings, &self.screens, light, self.size()),
+            behind: Behind::of(&self.settings, &self.screens, self.lens.as_deref(), light),
         }
     }
 

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
-use starbreak_optics::lens_faults::{Lamp, LensFaults, Optic};
+use starbreak_optics::lens_faults::{Lamp, LensOfFrames};
 use starbreak_optics::physical::Overlay;
 use starbreak_optics::screens::{LitScreen, Screen};
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode8_all, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
-use crate::{CameraFaults, Error, OpticsSettings, Scene, Settings};
+use crate::{CameraFaults, Error, OpticsSettings, Settings};
 
 /// A sample of an image, with its light.
 trait Sample: Code {
@@ -73,27 +73,27 @@ pub(super) struct Behind<'a> {
     /// The sun as the lens sees it, where it stands before the camera.
     sun: Option<Lamp>,
     pub(super) faults: Option<&'a CameraFaults>,
-    /// The lens, which some optics know.
-    pub(super) optic: Option<Optic>,
+    /// The lens before such frames, which some optics know.
+    lens: Option<&'a LensOfFrames>,
     /// Where less of the light than this share is changed by a coat, it does not count as affected.
     pub(super) least: f64,
 }
 
 impl<'a> Behind<'a> {
-    /// Of some settings and their coats under a light, for frames of a size, px.
+    /// Of some settings, and of their coats and lens, under a light.
     pub(super) fn of(
         settings: &'a Settings,
         screens: &'a [Arc<Screen>],
+        lens: Option<&'a LensOfFrames>,
         light: Environment,
-        size: (u32, u32),
     ) -> Self {
         let params = match &settings.optics {
             OpticsSettings::Physical(optics) => optics.environment,
             OpticsSettings::Paper(_) => EnvironmentParams::default(),
         };
-        let optic = Scene::of(settings, size).optic();
-        let sun = optic.as_ref().and_then(|optic| {
-            let direction = params.sun(&params.horizon(size.1, optic.f_px));
+        let sun = lens.map(LensOfFrames::optic).and_then(|optic| {
+            let height = u32::try_from(optic.size.1).unwrap_or(u32::MAX);
+            let direction = params.sun(&params.horizon(height, optic.f_px));
             Lamp::of_sun(direction, light.sun_rgb, optic)
         });
         Self {
@@ -102,7 +102,7 @@ impl<'a> Behind<'a> {
                 .collect(),
             sun,
             faults: settings.faults.as_ref(),
-            optic,
+            lens,
             least: match &settings.optics {
                 OpticsSettings::Physical(optics) => optics.region_threshold,
                 OpticsSettings::Paper(_) => 0.0,
@@ -240,7 +240,7 @@ where
     if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
         let before = |light: &mut Vec<f32>, n_colors| {
             let brighter = faults.lens.unclip(light, n_colors, size.0);
-            let optic = behind.optic.as_ref();
+            let optic = behind.lens.map(LensOfFrames::optic);
             let scattered = optic.map_or(0.0, |optic| faults.lens.scattered(optic));
             let unclipped = Unclipped::of(brighter, (light, n_colors), single(scattered));
             if let Some(glass) = glass {
@@ -249,14 +249,14 @@ where
             for screen in &behind.screens {
                 screen.over(light, n_colors);
             }
-            if let Some(optic) = optic {
-                (faults.lens).over(light, n_colors, (optic, behind.sun), at.frame);
+            if let Some(lens) = behind.lens {
+                lens.over(light, n_colors, behind.sun, (at.time_s, at.frame));
             }
             unclipped
         };
         change_all(sensor, samples, (size, n_channels), at, before);
-        if let Some(optic) = &behind.optic {
-            move_alpha(&faults.lens, optic, samples, n_channels);
+        if let Some(lens) = behind.lens.filter(|_| faults.lens.moves_labels()) {
+            move_alpha(lens, samples, n_channels, at.time_s);
         }
     } else if sensor.changes_light() {
         change_light(sensor, samples, (size, n_channels), at);
@@ -265,13 +265,13 @@ where
 }
 
 /// Moves the alpha of a frame as its lens moves what it shows; where that is nothing, the frame is transparent.
-fn move_alpha<S: Sample>(lens: &LensFaults, optic: &Optic, samples: &mut [S], n_channels: usize) {
-    if n_channels % 2 == 1 || !lens.moves_labels() {
+fn move_alpha<S: Sample>(lens: &LensOfFrames, samples: &mut [S], n_channels: usize, time_s: f64) {
+    if n_channels % 2 == 1 {
         return;
     }
     let of_pixel = |pixel: &[S]| single(pixel[n_channels - 1].share());
     let mut alpha: Vec<f32> = samples.chunks_exact(n_channels).map(of_pixel).collect();
-    lens.move_values(&mut alpha, optic);
+    lens.move_values(&mut alpha, time_s);
     for (pixel, share) in samples.chunks_exact_mut(n_channels).zip(alpha) {
         pixel[n_channels - 1] = S::of_share(share.into());
     }

@@ -1,0 +1,312 @@
+//! A frame whose pixels come from other places.
+
+mod alone;
+mod lines;
+
+use crate::pyramid::vectorized;
+
+use alone::{Alone, Shrunk, TOGETHER_PX};
+use lines::Line;
+
+/// The map is asked at the corners of squares of this side, px, and is straight between: of the strongest distortion
+/// that recipes have, and in its corner, it is wrong by a hundredth of a px.
+const SQUARE: usize = 8;
+
+/// Nearer to each other corners do not lie that are told apart, as a part of their distance.
+const LEAST_STEP: f64 = 0.1;
+
+/// How many squares beyond the corners of a line it is known what goes on as there.
+const FARTHEST_BEYOND: f64 = 2.0;
+
+/// What is seen of places beyond the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beyond {
+    /// Its border goes on.
+    Border,
+    /// Nothing: it is black.
+    Nothing,
+}
+
+/// Where the pixels of frames of one size come from.
+///
+/// Light goes up or down within its column first, and then along its row, each between pixels by the cubic of Keys
+/// \[Keys1981\], which keeps what is a straight line or a parabola: a frame that is moved by half a pixel is not blurred as
+/// by a mean of neighbors. How far it goes down is thus known for the column that it is of. Pixels that show nothing of the
+/// frame beside them, or more of it than a pixel and a quarter, are shown one by one.
+#[derive(Debug, Clone)]
+pub(super) struct Resampling {
+    /// Width and height, px.
+    size: (usize, usize),
+    /// How far to the right of the corners of squares the light was that is shown there, px.
+    across_px: Vec<f32>,
+    /// For the columns of corners, how far below them the light was that is shown in their rows, px; not a number where none of
+    /// it is shown.
+    down_px: Vec<f32>,
+    /// Whether a square is shown by what its corners say.
+    is_straight: Vec<bool>,
+    /// Squares that show more of the frame than lies around the places of their pixels.
+    shrunk: Vec<Shrunk>,
+    /// Pixels of all others that show anything.
+    alone: Vec<Alone>,
+}
+
+impl Resampling {
+    /// Of frames of a width and height, px, where what is seen at a place was at another, px: none where nothing is seen.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        reason = "px of a frame"
+    )]
+    pub(super) fn new(
+        size: (usize, usize),
+        beyond: Beyond,
+        from: impl Fn(f64, f64) -> Option<[f64; 2]>,
+    ) -> Self {
+        let bounds = [size.0 as f64, size.1 as f64];
+        let is_seen = |place: [f64; 2]| {
+            let is_inside = |k: usize| (0.0..=bounds[k]).contains(&place[k]);
+            beyond == Beyond::Border || (is_inside(0) && is_inside(1))
+        };
+        // A line knows no more of what is beyond the frame.
+        let is_beside =
+            |[u, _]: [f64; 2]| (-(SQUARE as f64)..=bounds[0] + SQUARE as f64).contains(&u);
+        let corner_px = |k: usize| (k * SQUARE) as f64;
+        let n_across = size.0.div_ceil(SQUARE);
+        let n_down = size.1.div_ceil(SQUARE);
+        let mut places = Vec::with_capacity((n_across + 1) * (n_down + 1));
+        let mut across_px = Vec::with_capacity(places.capacity());
+        let mut down_px = Vec::with_capacity(places.capacity());
+        for v in (0..=n_down).map(corner_px) {
+            let row: Vec<_> = (0..=n_across).map(|k| from(corner_px(k), v)).collect();
+            let or_none = |place: &Option<[f64; 2]>| place.unwrap_or([f64::NAN; 2]);
+            let known: Vec<[f64; 2]> = row.iter().map(or_none).collect();
+            let columns = known.iter().zip(0..);
+            across_px.extend(columns.map(|([u, _], k)| (u - corner_px(k)) as f32));
+            let mut nearest = 0;
+            down_px.extend((0..=n_across).map(|k| {
+                let column = corner_px(k);
+                while nearest + 2 < known.len() && known[nearest + 1][0] <= column {
+                    nearest += 1;
+                }
+                (row_shown(&known, nearest, column) - v) as f32
+            }));
+            places.extend(row);
+        }
+        let mut this = Self {
+            size,
+            across_px,
+            down_px,
+            is_straight: Vec::with_capacity(n_across * n_down),
+            shrunk: Vec::new(),
+            alone: Vec::new(),
+        };
+        for (j, i) in (0..n_down).flat_map(|j| (0..n_across).map(move |i| (j, i))) {
+            let corners = this.corners([i, j]);
+            let Some(corners) = Corners::of(corners.map(|k| places[k])) else {
+                this.is_straight.push(false);
+                this.leave_alone([i, j], &from, is_seen);
+                continue;
+            };
+            let is_seen_whole = corners.0.iter().all(|at| is_seen(*at));
+            let seen_px = corners.seen_px();
+            let is_shrunk = seen_px.iter().any(|px| *px > TOGETHER_PX);
+            let is_straight = is_seen_whole
+                && !is_shrunk
+                && corners.0.into_iter().all(is_beside)
+                && this.knows_columns([i, j]);
+            this.is_straight.push(is_straight);
+            if is_seen_whole && is_shrunk {
+                let first = [i, j].map(|k| k * SQUARE);
+                this.shrunk.push(Shrunk::new(first, corners.0, seen_px));
+            } else if !is_straight {
+                let part = |px: f64, k: usize| px / SQUARE as f64 - k as f64;
+                let from = |u, v| Some(corners.between([part(u, i), part(v, j)]));
+                this.leave_alone([i, j], from, is_seen);
+            }
+        }
+        this
+    }
+
+    /// Those of a square: upper left and right, lower left and right.
+    fn corners(&self, [i, j]: [usize; 2]) -> [usize; 4] {
+        let n = self.size.0.div_ceil(SQUARE) + 1;
+        let first = j * n + i;
+        [first, first + 1, first + n, first + n + 1]
+    }
+
+    /// Whether it is known how far all goes down that a square shows of columns of the frame.
+    fn knows_columns(&self, [i, j]: [usize; 2]) -> bool {
+        let corners = self.corners([i, j]);
+        let moved = corners.map(|k| self.across_px[k]);
+        let first = moved[0].min(moved[2]);
+        let last = moved[1].max(moved[3]);
+        // Each place is shown by two columns on either side.
+        let n_across = self.size.0.div_ceil(SQUARE);
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "columns of a frame"
+        )]
+        let corner_before = |k: usize, moved: f32| {
+            ((k as f32 + moved / SQUARE as f32).floor().max(0.0) as usize).min(n_across)
+        };
+        let first = corner_before(i, first - 3.0);
+        let last = (corner_before(i + 1, last + 3.0) + 1).min(n_across);
+        let are_known = |row: usize| {
+            let down_px = self.down_px.get(row + first..=row + last);
+            down_px.is_some_and(|down_px| down_px.iter().all(|px| px.is_finite()))
+        };
+        moved.iter().all(|px| px.is_finite())
+            && are_known(corners[0] - i)
+            && are_known(corners[2] - i)
+    }
+
+    /// The pixels of a square by themselves.
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    fn leave_alone(
+        &mut self,
+        [i, j]: [usize; 2],
+        from: impl Fn(f64, f64) -> Option<[f64; 2]>,
+        is_seen: impl Fn([f64; 2]) -> bool,
+    ) {
+        let (width, height) = self.size;
+        let is_number = |[u, v]: &[f64; 2]| !(u + v).is_nan();
+        let of_square = |k: usize, n: usize| k * SQUARE..((k + 1) * SQUARE).min(n);
+        for y in of_square(j, height) {
+            for x in of_square(i, width) {
+                let at = [x as f64 + 0.5, y as f64 + 0.5];
+                let place = from(at[0], at[1]).filter(is_number);
+                if let Some(place) = place.filter(|place| is_seen(*place)) {
+                    // What is seen there no more does not tell.
+                    let beside = |u, v| from(u, v).filter(is_number).unwrap_or(place);
+                    let beside = [beside(at[0] + 1.0, at[1]), beside(at[0], at[1] + 1.0)];
+                    self.alone.push(Alone::new([x, y], place, beside));
+                }
+            }
+        }
+    }
+
+    /// The light of each pixel of a frame with one value per pixel, or three side by side, as it was at its place; black
+    /// where nothing is seen. None of it is below 0.
+    pub(super) fn over(&self, light: &[f32], n_colors: usize) -> Vec<f32> {
+        match n_colors {
+            1 => self.over_colors::<1>(light),
+            _ => self.over_colors::<3>(light),
+        }
+    }
+
+    fn over_colors<const COLORS: usize>(&self, light: &[f32]) -> Vec<f32> {
+        let (width, height) = self.size;
+        let mut out = vec![0.0; light.len()];
+        let mut line = Line::<COLORS>::new(width);
+        let n_across = width.div_ceil(SQUARE);
+        let rows = out.chunks_exact_mut((width * COLORS).max(1));
+        for ((y, out), j) in rows.enumerate().zip((0..).flat_map(|j| [j; SQUARE])) {
+            let is_straight = &self.is_straight[j * n_across..][..n_across];
+            if is_straight.contains(&true) {
+                let t = part_of_square(y % SQUARE);
+                vectorized(
+                    #[inline(always)]
+                    || {
+                        line.fill(light, (y, height), self.between(&self.down_px, j, t));
+                        line.shown(out, is_straight, self.between(&self.across_px, j, t));
+                    },
+                );
+            }
+        }
+        let pixels = out.as_chunks_mut::<COLORS>().0;
+        vectorized(
+            #[inline(always)]
+            || {
+                for square in &self.shrunk {
+                    square.show(light, self.size, pixels);
+                }
+                for pixel in &self.alone {
+                    pixel.show(light, self.size, pixels);
+                }
+            },
+        );
+        out
+    }
+
+    /// Values of corners between their row and the next one.
+    #[inline(always)]
+    fn between<'a>(
+        &self,
+        values: &'a [f32],
+        row: usize,
+        t: f32,
+    ) -> impl Fn(usize) -> f32 + use<'a> {
+        let n = self.size.0.div_ceil(SQUARE) + 1;
+        let [above, below] = [&values[row * n..][..n], &values[(row + 1) * n..][..n]];
+        #[inline(always)]
+        move |k| above[k] + t * (below[k] - above[k])
+    }
+}
+
+/// Which row of the frame is shown of a column, px, along a line whose corners show these places: by the cubic through those of
+/// the four corners about one; not a number where columns are not in their order, or far beyond them.
+fn row_shown(places: &[[f64; 2]], corner: usize, column: f64) -> f64 {
+    let n = places.len().min(4);
+    let first = corner.saturating_sub(1).min(places.len() - n);
+    let about = &places[first..][..n];
+    let side = SQUARE as f64;
+    let is_in_order = about
+        .windows(2)
+        .all(|two| two[1][0] - two[0][0] > LEAST_STEP * side);
+    let beyond = (about[0][0] - column).max(column - about[n - 1][0]);
+    if !is_in_order || beyond > FARTHEST_BEYOND * side {
+        return f64::NAN;
+    }
+    let share = |k: usize| {
+        let others = about.iter().enumerate().filter(|(j, _)| *j != k);
+        others.fold(1.0, |share, (_, other)| {
+            share * (column - other[0]) / (about[k][0] - other[0])
+        })
+    };
+    (0..n).map(|k| share(k) * about[k][1]).sum()
+}
+
+/// What is shown at the corners of a square, px: upper left and right, lower left and right.
+struct Corners([[f64; 2]; 4]);
+
+impl Corners {
+    /// Of the square's places; none where nothing is shown in one.
+    fn of(places: [Option<[f64; 2]>; 4]) -> Option<Self> {
+        let [Some(a), Some(b), Some(c), Some(d)] = places else {
+            return None;
+        };
+        let corners = [a, b, c, d];
+        (corners.iter().flatten().all(|px| px.is_finite())).then_some(Self(corners))
+    }
+
+    /// What is shown at a part of the way from the left side to the right one, and from the upper to the lower.
+    fn between(&self, [s, t]: [f64; 2]) -> [f64; 2] {
+        let [a, b, c, d] = self.0;
+        [0, 1].map(|k| {
+            let (left, right) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
+            left + s * (right - left)
+        })
+    }
+
+    /// How many px of the frame are seen in a pixel, along each axis.
+    fn seen_px(&self) -> [f64; 2] {
+        let [a, b, c, d] = self.0;
+        [0, 1].map(|k| {
+            let right = (b[k] - a[k]).abs().max((d[k] - c[k]).abs());
+            let down = (c[k] - a[k]).abs().max((d[k] - b[k]).abs());
+            libm::hypot(right, down) / SQUARE as f64
+        })
+    }
+}
+
+/// Where the middle of a pixel of a square is between its sides.
+#[expect(clippy::cast_precision_loss, reason = "px of a square")]
+#[inline(always)]
+fn part_of_square(k: usize) -> f32 {
+    (k as f32 + 0.5) / SQUARE as f32
+}
+
+#[cfg(test)]
+mod tests;
