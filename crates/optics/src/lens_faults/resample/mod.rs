@@ -12,6 +12,9 @@ use lines::Line;
 /// that recipes have, and in its corner, it is wrong by a hundredth of a px.
 const SQUARE: usize = 8;
 
+/// Squares whose places are farther from straight lines between their corners are asked pixel by pixel, px.
+const BENT_PX: f64 = 0.04;
+
 /// Nearer to each other corners do not lie that are told apart, as a part of their distance.
 const LEAST_STEP: f64 = 0.1;
 
@@ -102,7 +105,9 @@ impl Resampling {
         };
         for (j, i) in (0..n_down).flat_map(|j| (0..n_across).map(move |i| (j, i))) {
             let corners = this.corners([i, j]);
-            let Some(corners) = Corners::of(corners.map(|k| places[k])) else {
+            let even = Corners::of(corners.map(|k| places[k]));
+            let even = even.filter(|_| is_even(&places, [n_across + 1, n_down + 1], [i, j]));
+            let Some(corners) = even else {
                 this.is_straight.push(false);
                 this.leave_alone([i, j], &from, is_seen);
                 continue;
@@ -243,6 +248,27 @@ impl Resampling {
         #[inline(always)]
         move |k| above[k] + t * (below[k] - above[k])
     }
+}
+
+/// Whether the places of a square are those on straight lines between its corners, within [`BENT_PX`], as far as the corners
+/// beside it tell: those on a line are half way between its ends but for an eighth of how its steps differ.
+fn is_even(places: &[Option<[f64; 2]>], n: [usize; 2], square: [usize; 2]) -> bool {
+    if n[0].min(n[1]) < 3 {
+        return false;
+    }
+    let at = |[i, j]: [usize; 2]| places[j * n[0] + i].unwrap_or([f64::NAN; 2]);
+    (0..4).all(|k| {
+        let corner = [square[0] + k % 2, square[1] + k / 2];
+        (0..2).all(|axis| {
+            let three = [0, 1, 2].map(|step| {
+                let mut along = corner;
+                along[axis] = corner[axis].clamp(1, n[axis] - 2) + step - 1;
+                at(along)
+            });
+            let differs = |k: usize| three[2][k] - 2.0 * three[1][k] + three[0][k];
+            libm::hypot(differs(0), differs(1)) <= 8.0 * BENT_PX
+        })
+    })
 }
 
 /// Which row of the frame is shown of a column, px, along a line whose corners show these places: by the cubic through those of
