@@ -96,12 +96,10 @@ impl Alone {
         reason = "px of a frame"
     )]
     pub(super) fn new(at: [usize; 2], place: [f64; 2], [right, below]: [[f64; 2]; 2]) -> Self {
-        // Farther than any frame is wide.
-        const FARTHEST: f64 = 4e6;
         let moved = |k: usize| place[k] - (at[k] as f64 + 0.5);
         Self {
             at,
-            moved: [0, 1].map(|k| moved(k).clamp(-FARTHEST, FARTHEST) as f32),
+            moved: [0, 1].map(|k| moved(k) as f32),
             wide: [0, 1].map(|k| wide_of(libm::hypot(right[k] - place[k], below[k] - place[k]))),
         }
     }

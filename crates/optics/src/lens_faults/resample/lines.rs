@@ -4,8 +4,11 @@ use wide::f32x4;
 
 use super::{SQUARE, part_of_square};
 
-/// Pixels beside a line that repeat its ends: a square for places beyond the frame, and what is around them.
-const BESIDE: usize = 2 * SQUARE;
+/// How far beyond the frame places may lie that a line knows, px.
+pub(super) const MOST_BEYOND_PX: f64 = 8.0;
+
+/// Pixels beside a line that repeat its ends: those, and what lies around a place.
+const BESIDE: usize = 16;
 
 /// A row of a frame whose light has been moved within its columns.
 pub(super) struct Line<const COLORS: usize> {
@@ -44,7 +47,7 @@ impl<const COLORS: usize> Line<COLORS> {
                 };
                 let to = &mut to[x * COLORS..][..n * COLORS];
                 self.taps
-                    .add_up::<COLORS>(x, [row(0), row(1), row(2), row(3)], to, f32::MIN);
+                    .add_up::<COLORS, false>(x, [row(0), row(1), row(2), row(3)], to);
             }
             x += n;
         }
@@ -80,11 +83,10 @@ impl<const COLORS: usize> Line<COLORS> {
                 {
                     let light = |j: usize| &self.light[(first + j) * COLORS..][..n * COLORS];
                     let to = &mut out[x * COLORS..][..n * COLORS];
-                    self.taps.add_up::<COLORS>(
+                    self.taps.add_up::<COLORS, true>(
                         x,
                         [light(0), light(1), light(2), light(3)],
                         to,
-                        0.0,
                     );
                 }
                 x += n;
@@ -174,17 +176,18 @@ impl Taps {
         }
         #[expect(clippy::cast_possible_truncation, reason = "px of a frame")]
         let from = first.is_finite().then(|| first as isize - 1);
+        // What is no number is not even itself.
         (n.max(1), from)
     }
 
-    /// Sums for pixels side by side from one on, `from` the first of four and those behind it.
+    /// Sums for pixels side by side from one on, `from` the first of four and those behind it: of light, none is below 0; half
+    /// way some may be.
     #[inline(always)]
-    fn add_up<const COLORS: usize>(
+    fn add_up<const COLORS: usize, const IS_LIGHT: bool>(
         &self,
         first: usize,
         from: [&[f32]; 4],
         to: &mut [f32],
-        least: f32,
     ) {
         let n = to.len();
         let [a, b, c, d] = match COLORS {
@@ -197,7 +200,7 @@ impl Taps {
         let [a, b, c, d] = [&a[..n], &b[..n], &c[..n], &d[..n]];
         for x in 0..n {
             let sum = (a[x] * i[x] + b[x] * j[x]) + (c[x] * k[x] + d[x] * l[x]);
-            to[x] = if sum > least { sum } else { least };
+            to[x] = if !IS_LIGHT || sum > 0.0 { sum } else { 0.0 };
         }
     }
 }

@@ -9,14 +9,20 @@ use alone::{Alone, Shrunk, TOGETHER_PX};
 use lines::Line;
 
 /// The map is asked at the corners of squares of this side, px, and is straight between: of the strongest distortion
-/// that recipes have, and in its corner, it is wrong by a hundredth of a px.
+/// that presets have, and in its corner, it is wrong by a hundredth of a px.
 const SQUARE: usize = 8;
 
 /// Squares whose places are farther from straight lines between their corners are asked pixel by pixel, px.
 const BENT_PX: f64 = 0.04;
 
-/// Nearer to each other corners do not lie that are told apart, as a part of their distance.
+/// So many rows of the frame a line may cross from one column to the next: of steeper ones its columns tell too little.
+const STEEPEST: f64 = 0.2;
+
+/// Corners that show columns nearer to each other than such a part of a square are not told apart.
 const LEAST_STEP: f64 = 0.1;
+
+/// Farther than any frame is wide, px.
+const FARTHEST: f64 = 4e6;
 
 /// How many squares beyond the corners of a line it is known what goes on as there.
 const FARTHEST_BEYOND: f64 = 2.0;
@@ -34,8 +40,9 @@ pub(super) enum Beyond {
 ///
 /// Light goes up or down within its column first, and then along its row, each between pixels by the cubic of Keys
 /// \[Keys1981\], which keeps what is a straight line or a parabola: a frame that is moved by half a pixel is not blurred as
-/// by a mean of neighbors. How far it goes down is thus known for the column that it is of. Pixels that show nothing of the
-/// frame beside them, or more of it than a pixel and a quarter, are shown one by one.
+/// by a mean of neighbors. How far it goes down is thus known for the column that it is of. Where that is not known, where
+/// lines are bent or turned, and where some show nothing or more than a pixel and a quarter of the frame, pixels are shown one
+/// by one.
 #[derive(Debug, Clone)]
 pub(super) struct Resampling {
     /// Width and height, px.
@@ -65,14 +72,20 @@ impl Resampling {
         beyond: Beyond,
         from: impl Fn(f64, f64) -> Option<[f64; 2]>,
     ) -> Self {
+        let from = |u, v| {
+            let place = from(u, v).filter(|[u, v]| !(u + v).is_nan())?;
+            Some(place.map(|px| px.clamp(-FARTHEST, FARTHEST)))
+        };
         let bounds = [size.0 as f64, size.1 as f64];
         let is_seen = |place: [f64; 2]| {
             let is_inside = |k: usize| (0.0..=bounds[k]).contains(&place[k]);
             beyond == Beyond::Border || (is_inside(0) && is_inside(1))
         };
-        // A line knows no more of what is beyond the frame.
-        let is_beside =
-            |[u, _]: [f64; 2]| (-(SQUARE as f64)..=bounds[0] + SQUARE as f64).contains(&u);
+        // Beyond the frame a line goes on as its ends, in their rows.
+        let is_beside = |[u, _]: [f64; 2], steep: f64| {
+            let beyond_px = (-u).max(u - bounds[0]).max(0.0);
+            beyond_px <= lines::MOST_BEYOND_PX && beyond_px * steep <= BENT_PX
+        };
         let corner_px = |k: usize| (k * SQUARE) as f64;
         let n_across = size.0.div_ceil(SQUARE);
         let n_down = size.1.div_ceil(SQUARE);
@@ -88,10 +101,13 @@ impl Resampling {
             let mut nearest = 0;
             down_px.extend((0..=n_across).map(|k| {
                 let column = corner_px(k);
-                while nearest + 2 < known.len() && known[nearest + 1][0] <= column {
+                // What shows nothing is passed by.
+                let is_beyond = |[u, _]: [f64; 2]| u > column;
+                while nearest + 2 < known.len() && !is_beyond(known[nearest + 1]) {
                     nearest += 1;
                 }
-                (row_shown(&known, nearest, column) - v) as f32
+                let row = row_shown(&known, nearest, column).clamp(-FARTHEST, FARTHEST);
+                (row - v) as f32
             }));
             places.extend(row);
         }
@@ -109,7 +125,7 @@ impl Resampling {
             let even = even.filter(|_| is_even(&places, [n_across + 1, n_down + 1], [i, j]));
             let Some(corners) = even else {
                 this.is_straight.push(false);
-                this.leave_alone([i, j], &from, is_seen);
+                this.leave_alone([i, j], from, is_seen);
                 continue;
             };
             let is_seen_whole = corners.0.iter().all(|at| is_seen(*at));
@@ -117,7 +133,9 @@ impl Resampling {
             let is_shrunk = seen_px.iter().any(|px| *px > TOGETHER_PX);
             let is_straight = is_seen_whole
                 && !is_shrunk
-                && corners.0.into_iter().all(is_beside)
+                && (corners.steep()).is_some_and(|steep| {
+                    steep <= STEEPEST && corners.0.iter().all(|at| is_beside(*at, steep))
+                })
                 && this.knows_columns([i, j]);
             this.is_straight.push(is_straight);
             if is_seen_whole && is_shrunk {
@@ -156,7 +174,7 @@ impl Resampling {
         let corner_before = |k: usize, moved: f32| {
             ((k as f32 + moved / SQUARE as f32).floor().max(0.0) as usize).min(n_across)
         };
-        let first = corner_before(i, first - 3.0);
+        let first = corner_before(i, first - 3.0).min(n_across - 1);
         let last = (corner_before(i + 1, last + 3.0) + 1).min(n_across);
         let are_known = |row: usize| {
             let down_px = self.down_px.get(row + first..=row + last);
@@ -176,15 +194,13 @@ impl Resampling {
         is_seen: impl Fn([f64; 2]) -> bool,
     ) {
         let (width, height) = self.size;
-        let is_number = |[u, v]: &[f64; 2]| !(u + v).is_nan();
         let of_square = |k: usize, n: usize| k * SQUARE..((k + 1) * SQUARE).min(n);
         for y in of_square(j, height) {
             for x in of_square(i, width) {
                 let at = [x as f64 + 0.5, y as f64 + 0.5];
-                let place = from(at[0], at[1]).filter(is_number);
-                if let Some(place) = place.filter(|place| is_seen(*place)) {
-                    // What is seen there no more does not tell.
-                    let beside = |u, v| from(u, v).filter(is_number).unwrap_or(place);
+                if let Some(place) = from(at[0], at[1]).filter(|place| is_seen(*place)) {
+                    // A place beside it that shows nothing does not tell.
+                    let beside = |u, v| from(u, v).unwrap_or(place);
                     let beside = [beside(at[0] + 1.0, at[1]), beside(at[0], at[1] + 1.0)];
                     self.alone.push(Alone::new([x, y], place, beside));
                 }
@@ -303,8 +319,7 @@ impl Corners {
         let [Some(a), Some(b), Some(c), Some(d)] = places else {
             return None;
         };
-        let corners = [a, b, c, d];
-        (corners.iter().flatten().all(|px| px.is_finite())).then_some(Self(corners))
+        Some(Self([a, b, c, d]))
     }
 
     /// What is shown at a part of the way from the left side to the right one, and from the upper to the lower.
@@ -314,6 +329,16 @@ impl Corners {
             let (left, right) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
             left + s * (right - left)
         })
+    }
+
+    /// How many rows of the frame its lines cross from one column to the next; none if columns do not follow each other.
+    fn steep(&self) -> Option<f64> {
+        let [a, b, c, d] = self.0;
+        let of_line = |from: [f64; 2], to: [f64; 2]| {
+            let columns = to[0] - from[0];
+            (columns > LEAST_STEP * SQUARE as f64).then(|| ((to[1] - from[1]) / columns).abs())
+        };
+        Some(of_line(a, b)?.max(of_line(c, d)?))
     }
 
     /// How many px of the frame are seen in a pixel, along each axis.

@@ -215,3 +215,110 @@ fn lines_that_become_thinner_than_a_pixel_do_not_break_up() {
         }
     }
 }
+
+/// Share of the pixels that are shown by squares.
+fn straight(resampling: &Resampling) -> f64 {
+    let n = resampling.is_straight.iter().filter(|is| **is).count();
+    n as f64 / resampling.is_straight.len() as f64
+}
+
+#[test]
+fn nothing_at_one_side_leaves_the_rest_as_it_is() {
+    let size = (640, 480);
+    let light: Vec<f32> = (0..size.0 * size.1)
+        .map(|k| ((k * 7919) % 257) as f32 / 256.0)
+        .collect();
+    let sides: [Place; 2] = [
+        |u, v| (u > 12.0).then_some([u - 0.3, v]),
+        |u, v| (u < 628.0).then_some([u - 0.3, v]),
+    ];
+    for (k, from) in sides.iter().enumerate() {
+        let resampling = Resampling::new(size, Beyond::Nothing, from);
+        assert!(straight(&resampling) > 0.9, "side {k}");
+        let alone = plain::<1>(&light, size, from);
+        for (after, alone) in resampling.over(&light, 1).iter().zip(alone) {
+            assert!((after - alone).abs() < 5e-6, "side {k}: {after}, {alone}");
+        }
+    }
+}
+
+#[test]
+fn turned_frames_show_fine_waves_as_each_pixel_alone() {
+    let size = (128, 96);
+    let wave = |u: f64, v: f64| 0.5 + 0.4 * (std::f64::consts::TAU * 0.2 * (u + v)).cos();
+    let frame: Vec<f32> = (0..size.0 * size.1)
+        .map(|k| wave((k % size.0) as f64 + 0.5, (k / size.0) as f64 + 0.5) as f32)
+        .collect();
+    for degrees in [0.0_f64, 5.0, 10.0, 20.0, 45.0, 80.0, 135.0, 200.0] {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let from = |u: f64, v: f64| {
+            let [x, y] = [u - 64.3, v - 48.1];
+            Some([64.0 + cos * x - sin * y, 48.0 + sin * x + cos * y])
+        };
+        let miss = |after: Vec<f32>| {
+            let (mut n, mut sum) = (0.0, 0.0);
+            for (at, after) in after.into_iter().enumerate() {
+                let [u, v] = from((at % size.0) as f64 + 0.5, (at / size.0) as f64 + 0.5).unwrap();
+                if (4.0..124.0).contains(&u) && (4.0..92.0).contains(&v) {
+                    n += 1.0;
+                    sum += (f64::from(after) - wave(u, v)).powi(2);
+                }
+            }
+            (sum / n).sqrt()
+        };
+        let alone = miss(plain::<1>(&frame, size, from));
+        let after = miss(Resampling::new(size, Beyond::Border, from).over(&frame, 1));
+        assert!(after < 1.6 * alone, "{degrees}: {after}, {alone}");
+    }
+}
+
+#[test]
+fn lines_beyond_the_border_are_in_their_own_rows() {
+    let size = (40, 64);
+    let frame: Vec<f32> = (0..size.0 * size.1)
+        .map(|k| (1.0 + 0.05 * (k / size.0) as f64 + 0.01 * (k % size.0) as f64) as f32)
+        .collect();
+    let places: [Place; 3] = [
+        |u, v| Some([u - 6.3, v - 0.19 * u + 4.0]),
+        |u, v| Some([u + 7.1, v + 0.19 * u - 3.0]),
+        |u, v| Some([0.97 * u - 4.9, 0.15 * u + 0.9 * v]),
+    ];
+    for (k, from) in places.iter().enumerate() {
+        let alone = plain::<1>(&frame, size, from);
+        let after = Resampling::new(size, Beyond::Border, from).over(&frame, 1);
+        for (at, (after, alone)) in after.iter().zip(alone).enumerate() {
+            assert!(
+                (after - alone).abs() < 0.01,
+                "place {k}, {at}: {after}, {alone}"
+            );
+        }
+    }
+}
+
+#[test]
+fn maps_that_fold_and_leap_show_light_where_there_is_some() {
+    let columns = [0.0, 60.0, 50.0, 58.0, 61.0, 64.0, 67.0, 70.0, 73.0];
+    let folds = |u: f64, v: f64| {
+        let k = ((u / 8.0) as usize).min(7);
+        let part = u / 8.0 - k as f64;
+        Some([columns[k] + part * (columns[k + 1] - columns[k]), v])
+    };
+    let white = vec![1.0; 64 * 40];
+    let maps: [&dyn Fn(f64, f64) -> Option<[f64; 2]>; 4] = [
+        &folds,
+        &|u, v| Some([u, if u < 32.0 { v } else { v - 1e30 }]),
+        &|u, v| Some([u + 1e30, 2.0 * v]),
+        &|u, v| Some([u + 1e300, v * v]),
+    ];
+    for (k, from) in maps.into_iter().enumerate() {
+        let after = Resampling::new((64, 40), Beyond::Border, from).over(&white, 1);
+        assert!(
+            after.iter().all(|light| (light - 1.0).abs() < 1e-5),
+            "map {k}"
+        );
+    }
+    // What is no number is no light.
+    let after = Resampling::new((64, 40), Beyond::Border, |u, v| Some([u + 0.3, v + 0.4]))
+        .over(&vec![f32::NAN; 64 * 40], 1);
+    assert!(after.iter().all(|light| *light <= 0.0));
+}
