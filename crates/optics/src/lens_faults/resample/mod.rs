@@ -282,7 +282,8 @@ fn is_even(places: &[Option<[f64; 2]>], n: [usize; 2], square: [usize; 2]) -> bo
                 at(along)
             });
             let differs = |k: usize| three[2][k] - 2.0 * three[1][k] + three[0][k];
-            libm::hypot(differs(0), differs(1)) <= 8.0 * BENT_PX
+            let [x, y] = [differs(0), differs(1)];
+            x * x + y * y <= 64.0 * BENT_PX * BENT_PX
         })
     })
 }
@@ -347,7 +348,7 @@ impl Corners {
         [0, 1].map(|k| {
             let right = (b[k] - a[k]).abs().max((d[k] - c[k]).abs());
             let down = (c[k] - a[k]).abs().max((d[k] - b[k]).abs());
-            libm::hypot(right, down) / SQUARE as f64
+            (right * right + down * down).sqrt() / SQUARE as f64
         })
     }
 }
