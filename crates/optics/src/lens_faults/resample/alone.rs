@@ -1,7 +1,7 @@
 //! Pixels that are shown one by one.
 
 use super::lines::clamped;
-use super::{SQUARE, part_of_square};
+use super::{Corners, SQUARE};
 
 /// Up to so many px of the frame that are seen in one of what is shown, no more is asked about than around a place.
 pub(super) const TOGETHER_PX: f64 = 1.25;
@@ -24,31 +24,18 @@ fn wide_of(seen_px: f64) -> f32 {
 /// A square that shows more of the frame than lies around the places of its pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shrunk {
-    /// Its upper left pixel.
-    first: [usize; 2],
-    /// How far away the light of its corners was, px: upper left and right, lower left and right.
-    moved: [[f32; 2]; 4],
+    square: [usize; 2],
+    corners: Corners,
     /// How many times as wide as between pixels the cubic is.
     wide: [f32; 2],
 }
 
 impl Shrunk {
-    /// Of a square's upper left pixel, what its corners show, and how many px of the frame its pixels show along each axis.
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        reason = "px of a frame"
-    )]
-    pub(super) fn new(first: [usize; 2], corners: [[f64; 2]; 4], seen_px: [f64; 2]) -> Self {
-        let mut moved = [[0.0; 2]; 4];
-        for (k, (moved, place)) in moved.iter_mut().zip(corners).enumerate() {
-            for (axis, beyond) in [k % 2, k / 2].into_iter().enumerate() {
-                moved[axis] = (place[axis] - (first[axis] + SQUARE * beyond) as f64) as f32;
-            }
-        }
+    /// Of a square, what its corners show, and how many px of the frame its pixels show along each axis.
+    pub(super) fn new(square: [usize; 2], corners: Corners, seen_px: [f64; 2]) -> Self {
         Self {
-            first,
-            moved,
+            square,
+            corners,
             wide: seen_px.map(wide_of),
         }
     }
@@ -61,17 +48,11 @@ impl Shrunk {
         size: (usize, usize),
         out: &mut [[f32; COLORS]],
     ) {
-        let [left, top] = self.first;
-        let [a, b, c, d] = self.moved;
+        let [left, top] = self.square.map(|k| k * SQUARE);
         for y in top..(top + SQUARE).min(size.1) {
-            let t = part_of_square(y - top);
             for x in left..(left + SQUARE).min(size.0) {
-                let s = part_of_square(x - left);
-                let mut moved = [0.0; 2];
-                for k in 0..2 {
-                    let (first, last) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
-                    moved[k] = first + s * (last - first);
-                }
+                let place = self.corners.at(middle([x, y]), self.square);
+                let moved = moved([x, y], place);
                 out[y * size.0 + x] = seen(light, size, [x, y], moved, self.wide);
             }
         }
@@ -90,16 +71,10 @@ pub(super) struct Alone {
 
 impl Alone {
     /// Of a pixel whose middle shows such a place of the frame, and its neighbors to the right and below these, px.
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        reason = "px of a frame"
-    )]
     pub(super) fn new(at: [usize; 2], place: [f64; 2], [right, below]: [[f64; 2]; 2]) -> Self {
-        let moved = |k: usize| place[k] - (at[k] as f64 + 0.5);
         Self {
             at,
-            moved: [0, 1].map(|k| moved(k) as f32),
+            moved: moved(at, place),
             wide: [0, 1].map(|k| wide_of(libm::hypot(right[k] - place[k], below[k] - place[k]))),
         }
     }
@@ -115,6 +90,19 @@ impl Alone {
         let [x, y] = self.at;
         out[y * size.0 + x] = seen(light, size, self.at, self.moved, self.wide);
     }
+}
+
+/// The middle of a pixel, px.
+#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+pub(super) fn middle([x, y]: [usize; 2]) -> [f64; 2] {
+    [x as f64 + 0.5, y as f64 + 0.5]
+}
+
+/// How far away the light of a pixel is that shows a place, px.
+#[expect(clippy::cast_possible_truncation, reason = "px of a frame")]
+fn moved(at: [usize; 2], place: [f64; 2]) -> [f32; 2] {
+    let middle = middle(at);
+    [0, 1].map(|k| (place[k] - middle[k]) as f32)
 }
 
 /// The light around a place that is so far from a pixel, px, by the cubic of Keys, which is as much wider as more of the frame

@@ -5,7 +5,7 @@ mod lines;
 
 use crate::pyramid::vectorized;
 
-use alone::{Alone, Shrunk, TOGETHER_PX};
+use alone::{Alone, Shrunk, TOGETHER_PX, middle};
 use lines::Line;
 
 /// The map is asked at the corners of squares of this side, px, and is straight between: of the strongest distortion
@@ -86,30 +86,26 @@ impl Resampling {
             let beyond_px = (-u).max(u - bounds[0]).max(0.0);
             beyond_px <= lines::MOST_BEYOND_PX && beyond_px * steep <= BENT_PX
         };
-        let corner_px = |k: usize| (k * SQUARE) as f64;
-        let n_across = size.0.div_ceil(SQUARE);
-        let n_down = size.1.div_ceil(SQUARE);
+        let [n_across, n_down] = [size.0, size.1].map(|n| n.div_ceil(SQUARE));
+        // Of all corners, in rows; not a number where nothing is seen.
         let mut places = Vec::with_capacity((n_across + 1) * (n_down + 1));
-        let mut across_px = Vec::with_capacity(places.capacity());
-        let mut down_px = Vec::with_capacity(places.capacity());
+        let [mut across_px, mut down_px] = [0, 1].map(|_| Vec::with_capacity(places.capacity()));
         for v in (0..=n_down).map(corner_px) {
-            let row: Vec<_> = (0..=n_across).map(|k| from(corner_px(k), v)).collect();
-            let or_none = |place: &Option<[f64; 2]>| place.unwrap_or([f64::NAN; 2]);
-            let known: Vec<[f64; 2]> = row.iter().map(or_none).collect();
-            let columns = known.iter().zip(0..);
+            let line = (0..=n_across).map(|k| from(corner_px(k), v).unwrap_or([f64::NAN; 2]));
+            places.extend(line);
+            let line = &places[places.len() - n_across - 1..];
+            let columns = line.iter().zip(0..);
             across_px.extend(columns.map(|([u, _], k)| (u - corner_px(k)) as f32));
             let mut nearest = 0;
-            down_px.extend((0..=n_across).map(|k| {
-                let column = corner_px(k);
+            down_px.extend((0..=n_across).map(corner_px).map(|column| {
                 // What shows nothing is passed by.
                 let is_beyond = |[u, _]: [f64; 2]| u > column;
-                while nearest + 2 < known.len() && !is_beyond(known[nearest + 1]) {
+                while nearest + 2 < line.len() && !is_beyond(line[nearest + 1]) {
                     nearest += 1;
                 }
-                let row = row_shown(&known, nearest, column).clamp(-FARTHEST, FARTHEST);
+                let row = row_shown(line, nearest, column).clamp(-FARTHEST, FARTHEST);
                 (row - v) as f32
             }));
-            places.extend(row);
         }
         let mut this = Self {
             size,
@@ -120,14 +116,14 @@ impl Resampling {
             alone: Vec::new(),
         };
         for (j, i) in (0..n_down).flat_map(|j| (0..n_across).map(move |i| (j, i))) {
-            let corners = this.corners([i, j]);
-            let even = Corners::of(corners.map(|k| places[k]));
-            let even = even.filter(|_| is_even(&places, [n_across + 1, n_down + 1], [i, j]));
-            let Some(corners) = even else {
+            if !is_even(&places, [n_across + 1, n_down + 1], [i, j]) {
                 this.is_straight.push(false);
                 this.leave_alone([i, j], from, is_seen);
                 continue;
-            };
+            }
+            let first = j * (n_across + 1) + i;
+            let corners = [first, first + 1, first + n_across + 1, first + n_across + 2];
+            let corners = Corners(corners.map(|k| places[k]));
             let is_seen_whole = corners.0.iter().all(|at| is_seen(*at));
             let seen_px = corners.seen_px();
             let is_shrunk = seen_px.iter().any(|px| *px > TOGETHER_PX);
@@ -136,57 +132,38 @@ impl Resampling {
                 && (corners.steep()).is_some_and(|steep| {
                     steep <= STEEPEST && corners.0.iter().all(|at| is_beside(*at, steep))
                 })
-                && this.knows_columns([i, j]);
+                && this.knows_columns(&corners, j);
             this.is_straight.push(is_straight);
             if is_seen_whole && is_shrunk {
-                let first = [i, j].map(|k| k * SQUARE);
-                this.shrunk.push(Shrunk::new(first, corners.0, seen_px));
+                this.shrunk.push(Shrunk::new([i, j], corners, seen_px));
             } else if !is_straight {
-                let part = |px: f64, k: usize| px / SQUARE as f64 - k as f64;
-                let from = |u, v| Some(corners.between([part(u, i), part(v, j)]));
+                let from = |u, v| Some(corners.at([u, v], [i, j]));
                 this.leave_alone([i, j], from, is_seen);
             }
         }
         this
     }
 
-    /// Those of a square: upper left and right, lower left and right.
-    fn corners(&self, [i, j]: [usize; 2]) -> [usize; 4] {
-        let n = self.size.0.div_ceil(SQUARE) + 1;
-        let first = j * n + i;
-        [first, first + 1, first + n, first + n + 1]
-    }
-
-    /// Whether it is known how far all goes down that a square shows of columns of the frame.
-    fn knows_columns(&self, [i, j]: [usize; 2]) -> bool {
-        let corners = self.corners([i, j]);
-        let moved = corners.map(|k| self.across_px[k]);
-        let first = moved[0].min(moved[2]);
-        let last = moved[1].max(moved[3]);
-        // Each place is shown by two columns on either side.
+    /// Whether it is known how far all goes down that a square of a row shows of columns of the frame.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "columns of a frame"
+    )]
+    fn knows_columns(&self, Corners([a, b, c, d]): &Corners, row: usize) -> bool {
         let n_across = self.size.0.div_ceil(SQUARE);
-        #[expect(
-            clippy::cast_precision_loss,
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "columns of a frame"
-        )]
-        let corner_before = |k: usize, moved: f32| {
-            ((k as f32 + moved / SQUARE as f32).floor().max(0.0) as usize).min(n_across)
-        };
-        let first = corner_before(i, first - 3.0).min(n_across - 1);
-        let last = (corner_before(i + 1, last + 3.0) + 1).min(n_across);
-        let are_known = |row: usize| {
-            let down_px = self.down_px.get(row + first..=row + last);
-            down_px.is_some_and(|down_px| down_px.iter().all(|px| px.is_finite()))
-        };
-        moved.iter().all(|px| px.is_finite())
-            && are_known(corners[0] - i)
-            && are_known(corners[2] - i)
+        let corner_before = |column: f64| (column.max(0.0) / SQUARE as f64) as usize;
+        // Each place is shown by two columns on either side.
+        let first = corner_before(a[0].min(c[0]) - 3.0).min(n_across - 1);
+        let last = (corner_before(b[0].max(d[0]) + 3.0) + 1).clamp(first, n_across);
+        [row, row + 1].into_iter().all(|row| {
+            let down_px = &self.down_px[row * (n_across + 1)..][first..=last];
+            down_px.iter().all(|px| px.is_finite())
+        })
     }
 
     /// The pixels of a square by themselves.
-    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
     fn leave_alone(
         &mut self,
         [i, j]: [usize; 2],
@@ -197,11 +174,11 @@ impl Resampling {
         let of_square = |k: usize, n: usize| k * SQUARE..((k + 1) * SQUARE).min(n);
         for y in of_square(j, height) {
             for x in of_square(i, width) {
-                let at = [x as f64 + 0.5, y as f64 + 0.5];
-                if let Some(place) = from(at[0], at[1]).filter(|place| is_seen(*place)) {
+                let [u, v] = middle([x, y]);
+                if let Some(place) = from(u, v).filter(|place| is_seen(*place)) {
                     // A place beside it that shows nothing does not tell.
                     let beside = |u, v| from(u, v).unwrap_or(place);
-                    let beside = [beside(at[0] + 1.0, at[1]), beside(at[0], at[1] + 1.0)];
+                    let beside = [beside(u + 1.0, v), beside(u, v + 1.0)];
                     self.alone.push(Alone::new([x, y], place, beside));
                 }
             }
@@ -267,12 +244,13 @@ impl Resampling {
 }
 
 /// Whether the places of a square are those on straight lines between its corners, within [`BENT_PX`], as far as the corners
-/// beside it tell: those on a line are half way between its ends but for an eighth of how its steps differ.
-fn is_even(places: &[Option<[f64; 2]>], n: [usize; 2], square: [usize; 2]) -> bool {
+/// beside it tell: those on a line are half way between its ends but for an eighth of how its steps differ. Not where one of
+/// them is not a number.
+fn is_even(places: &[[f64; 2]], n: [usize; 2], square: [usize; 2]) -> bool {
     if n[0].min(n[1]) < 3 {
         return false;
     }
-    let at = |[i, j]: [usize; 2]| places[j * n[0] + i].unwrap_or([f64::NAN; 2]);
+    let at = |[i, j]: [usize; 2]| places[j * n[0] + i];
     (0..4).all(|k| {
         let corner = [square[0] + k % 2, square[1] + k / 2];
         (0..2).all(|axis| {
@@ -311,21 +289,21 @@ fn row_shown(places: &[[f64; 2]], corner: usize, column: f64) -> f64 {
     (0..n).map(|k| share(k) * about[k][1]).sum()
 }
 
+/// Where the sides of squares are, px.
+#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+fn corner_px(k: usize) -> f64 {
+    (k * SQUARE) as f64
+}
+
 /// What is shown at the corners of a square, px: upper left and right, lower left and right.
+#[derive(Debug, Clone, Copy)]
 struct Corners([[f64; 2]; 4]);
 
 impl Corners {
-    /// Of the square's places; none where nothing is shown in one.
-    fn of(places: [Option<[f64; 2]>; 4]) -> Option<Self> {
-        let [Some(a), Some(b), Some(c), Some(d)] = places else {
-            return None;
-        };
-        Some(Self([a, b, c, d]))
-    }
-
-    /// What is shown at a part of the way from the left side to the right one, and from the upper to the lower.
-    fn between(&self, [s, t]: [f64; 2]) -> [f64; 2] {
+    /// What is shown at a place of the square, on straight lines between them.
+    fn at(&self, place: [f64; 2], square: [usize; 2]) -> [f64; 2] {
         let [a, b, c, d] = self.0;
+        let [s, t] = [0, 1].map(|k| (place[k] - corner_px(square[k])) / SQUARE as f64);
         [0, 1].map(|k| {
             let (left, right) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
             left + s * (right - left)

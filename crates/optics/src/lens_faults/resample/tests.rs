@@ -54,6 +54,24 @@ fn plain<const COLORS: usize>(
         .collect()
 }
 
+/// Root of the mean square of what a frame is off by, where what it shows is not beside its border.
+fn rms_miss(
+    frame: &[f32],
+    (width, height): (usize, usize),
+    from: impl Fn(f64, f64) -> Option<[f64; 2]>,
+    light_at: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    let (mut n, mut sum) = (0.0, 0.0);
+    for (at, light) in frame.iter().enumerate() {
+        let [u, v] = from((at % width) as f64 + 0.5, (at / width) as f64 + 0.5).unwrap();
+        if (4.0..width as f64 - 4.0).contains(&u) && (4.0..height as f64 - 4.0).contains(&v) {
+            n += 1.0;
+            sum += (f64::from(*light) - light_at(u, v)).powi(2);
+        }
+    }
+    (sum / n).sqrt()
+}
+
 #[test]
 fn frames_of_any_size_are_as_each_pixel_alone_where_columns_move_as_one() {
     let places: [Place; 10] = [
@@ -143,17 +161,7 @@ fn bent_frames_are_as_near_to_the_light_as_each_pixel_alone() {
             let gain = 1.0 + corner * (x * x + y * y) / 40_000.0;
             Some([160.0 + gain * x, 120.0 + gain * y])
         };
-        let miss = |after: Vec<f32>| {
-            let (mut n, mut sum) = (0.0, 0.0);
-            for (at, after) in after.into_iter().enumerate() {
-                let [u, v] = from((at % size.0) as f64 + 0.5, (at / size.0) as f64 + 0.5).unwrap();
-                if (3.0..317.0).contains(&u) && (3.0..237.0).contains(&v) {
-                    n += 1.0;
-                    sum += (f64::from(after) - light_at(u, v)).powi(2);
-                }
-            }
-            (sum / n).sqrt()
-        };
+        let miss = |after: Vec<f32>| rms_miss(&after, size, from, light_at);
         // On straight lines between the corners of squares, too.
         let between_corners = |u: f64, v: f64| {
             let [left, top] = [u, v].map(|px| (px / 8.0).floor() * 8.0);
@@ -255,17 +263,7 @@ fn turned_frames_show_fine_waves_as_each_pixel_alone() {
             let [x, y] = [u - 64.3, v - 48.1];
             Some([64.0 + cos * x - sin * y, 48.0 + sin * x + cos * y])
         };
-        let miss = |after: Vec<f32>| {
-            let (mut n, mut sum) = (0.0, 0.0);
-            for (at, after) in after.into_iter().enumerate() {
-                let [u, v] = from((at % size.0) as f64 + 0.5, (at / size.0) as f64 + 0.5).unwrap();
-                if (4.0..124.0).contains(&u) && (4.0..92.0).contains(&v) {
-                    n += 1.0;
-                    sum += (f64::from(after) - wave(u, v)).powi(2);
-                }
-            }
-            (sum / n).sqrt()
-        };
+        let miss = |after: Vec<f32>| rms_miss(&after, size, from, wave);
         let alone = miss(plain::<1>(&frame, size, from));
         let after = miss(Resampling::new(size, Beyond::Border, from).over(&frame, 1));
         assert!(after < 1.6 * alone, "{degrees}: {after}, {alone}");
