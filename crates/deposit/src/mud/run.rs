@@ -176,7 +176,7 @@ impl Run {
             for x in thickness.within(&columns, y) {
                 let off = (thickness.middle_mm(x, y)[0] - middle_mm) / wide_mm;
                 #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                let more = (most_mm * dried(off * off)) as f32;
+                let more = (most_mm * dried(off * off, 0.0)) as f32;
                 let cell = &mut thickness.values[y * thickness.size[0] + x];
                 n_new += usize::from(*cell <= 0.0 && more > 0.0);
                 *cell = cell.max(more);
@@ -190,7 +190,7 @@ impl Run {
 fn excess_mm(most_mm: f64) -> f64 {
     const N: u32 = 64;
     let squares = (0..N).map(|k| (f64::from(k) + 0.5) / f64::from(N));
-    let over_mm = squares.map(|square| (most_mm * dried(square) - STAYS_MM).max(0.0));
+    let over_mm = squares.map(|square| (most_mm * dried(square, 0.0) - STAYS_MM).max(0.0));
     over_mm.sum::<f64>() / f64::from(N)
 }
 

@@ -121,6 +121,11 @@ impl Finger {
     }
 }
 
+/// How gently splats end: from and to, then more behind and as much less ahead, where they come to rest, and within 0 to 1,
+/// see [`dried`]. FIT.
+const GENTLE: [f64; 2] = [-0.2, 0.9];
+const GENTLER_BEHIND: f64 = 0.5;
+
 /// One splat: a disc with a ragged outline, longer than wide.
 pub(super) struct Splat {
     middle_mm: [f64; 2],
@@ -128,8 +133,9 @@ pub(super) struct Splat {
     /// Direction in which it flew, and by how much it is longer that way, and narrower.
     along: [f64; 2],
     longer: f64,
-    /// How far its outline was before that, in radii, in directions around it, the first once more at the end: see [`turn`].
-    outline: Vec<f64>,
+    /// How far its outline was before that, in radii, and how gently it ends there, in directions around it, the first once
+    /// more at the end: see [`turn`].
+    outline: Vec<[f64; 2]>,
 }
 
 /// Where a direction lies around, of 4 quarters: its place along a square that stands on its corner. Directions need no length.
@@ -163,6 +169,7 @@ impl Splat {
         let longer = 1.0 + (MOST_LONGER - 1.0) * uniform(rng) * uniform(rng);
         let mut lobes = [[0.0; 2]; N_LOBES];
         let lobes = &mut lobes[..waves.len()];
+        let gentle = GENTLE[0] + (GENTLE[1] - GENTLE[0]) * uniform(rng);
         for (wave, lobe) in waves.iter().zip(&mut *lobes) {
             let size = wave * normal(rng);
             let (sin, cos) = libm::sincos(TAU * uniform(rng));
@@ -176,7 +183,7 @@ impl Splat {
         )]
         let n = ((8.0 * radius_mm / cell_mm) as usize).clamp(least, most);
         #[expect(clippy::cast_precision_loss, reason = "some directions")]
-        let mut outline: Vec<f64> = (0..n)
+        let mut outline: Vec<[f64; 2]> = (0..n)
             .map(|k| {
                 let [cos, sin] = turned(4.0 * k as f64 / n as f64);
                 // Cosines and sines of multiples of the angle, each from the one before.
@@ -187,7 +194,8 @@ impl Splat {
                 }
                 let disc = libm::exp(sum).max(LEAST_OUTLINE);
                 let outlines = fingers.iter().map(|finger| finger.outline([cos, sin]));
-                outlines.fold(disc, f64::max).min(MOST_OUTLINE)
+                let gentle = (gentle - GENTLER_BEHIND * cos + sum).clamp(0.0, 1.0);
+                [outlines.fold(disc, f64::max).min(MOST_OUTLINE), gentle]
             })
             .collect();
         outline.push(outline[0]);
@@ -234,7 +242,7 @@ impl Splat {
 
     /// Farthest that its outline is from its middle, in radii of the disc that it was.
     fn farthest(&self) -> f64 {
-        self.outline.iter().fold(0.0, |most, it| most.max(*it))
+        self.outline.iter().fold(0.0, |most, [it, _]| most.max(*it))
     }
 
     /// A way from the middle, ahead and aside, in radii of the disc that it was, on the pane, mm.
@@ -265,9 +273,9 @@ impl Splat {
         [away_square, turns]
     }
 
-    /// How far its outline is in a direction, in radii.
+    /// How far its outline is in a direction, in radii, and how gently it ends there.
     #[inline(always)]
-    fn outline_at(&self, turn: f64) -> f64 {
+    fn outline_at(&self, turn: f64) -> [f64; 2] {
         #[expect(clippy::cast_precision_loss, reason = "some directions")]
         let at = 0.25 * turn * (self.outline.len() - 1) as f64;
         #[expect(
@@ -278,7 +286,7 @@ impl Splat {
         let k = at as usize;
         match self.outline.get(k..k + 2) {
             #[expect(clippy::cast_precision_loss, reason = "some directions")]
-            Some([one, other]) => one + (at - k as f64) * (other - one),
+            Some([one, other]) => [0, 1].map(|i| one[i] + (at - k as f64) * (other[i] - one[i])),
             _ => self.outline[0],
         }
     }
@@ -296,6 +304,8 @@ impl Splat {
     fn add_rows(&self, thickness: &mut Raster, most_mm: f64) -> usize {
         let farthest = self.farthest();
         let stays_mm = Run::stays_mm(self.radius_mm);
+        // What runs is thick all over.
+        let ends = if most_mm > stays_mm { 0.0 } else { 1.0 };
         let reach_mm = farthest * self.radius_mm;
         // A x² + 2 B x y + C y² is the square of the distance of a place before it was made longer; A C − B² is 1.
         let ([along, across], longer) = (self.along, self.longer * self.longer);
@@ -320,14 +330,14 @@ impl Splat {
                 let right = (left + TOGETHER).min(columns.end);
                 let cells = &mut thickness.values[y * thickness.size[0]..][left..right];
                 for ((cell, away_square), turn) in cells.iter_mut().zip(away_square).zip(turns) {
-                    let outline = self.outline_at(turn);
+                    let [outline, gentle] = self.outline_at(turn);
                     let part_square = away_square / (outline * outline);
                     if part_square >= 1.0 {
                         continue;
                     }
                     n_new += usize::from(*cell <= 0.0);
                     #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                    let more = (most_mm * dried(part_square)).min(stays_mm) as f32;
+                    let more = (most_mm * dried(part_square, ends * gentle)).min(stays_mm) as f32;
                     *cell = cell.max(more) + 0.3 * cell.min(more);
                 }
             }
@@ -336,13 +346,16 @@ impl Splat {
     }
 }
 
-/// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its
-/// edge: a little thicker all around than in the middle, for water leaves at the edge and takes earth there with it
-/// \[Deegan1997\], and steep at its end. FIT.
+/// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its edge.
+///
+/// One that does not end gently is a little thicker all around than in the middle, for water leaves at the edge and takes earth
+/// there with it \[Deegan1997\], and steep at its end; one that ends as gently as any has drawn back from its edge and is a
+/// paraboloid. FIT.
 #[inline(always)]
-pub(super) fn dried(part_square: f64) -> f64 {
+pub(super) fn dried(part_square: f64, gentle: f64) -> f64 {
     let sixth = part_square * part_square * part_square;
-    (1.0 - sixth * sixth).max(0.0).sqrt() * (0.827 + 0.327 * part_square)
+    let steep = (1.0 - sixth * sixth).max(0.0).sqrt() * (0.827 + 0.327 * part_square);
+    steep + gentle * ((1.0 - part_square).max(0.0) - steep)
 }
 
 #[cfg(test)]
@@ -380,7 +393,7 @@ mod tests {
                 let [x, y] = pane.middle_mm(k % pane.size[0], k / pane.size[0]);
                 let places = [[x - 1.3; TOGETHER], [y + 2.1; TOGETHER]];
                 let [[away_square, ..], [turn, ..]] = splat.around(places);
-                let outline = splat.outline_at(turn);
+                let [outline, _] = splat.outline_at(turn);
                 assert_eq!(
                     *value > 0.0,
                     away_square < outline * outline,
@@ -397,5 +410,45 @@ mod tests {
         }
         // Of some 20 × 1,800 cells, some in fingers.
         assert!(n_covered > 30_000 && n_far > 200, "{n_covered}, {n_far}");
+    }
+
+    /// Thin splats end gently, more so behind than ahead; what is too thick to stay ends steeply all around.
+    #[test]
+    fn thin_splats_end_more_gently_behind_than_ahead() {
+        let area = Area::rectangle([-15.0, -15.0], [15.0, 15.0]);
+        let waves = wave_sizes();
+        // Over the thickest, near the edge ahead and behind.
+        let near_edge = |thickness_mm: f64| {
+            let [mut sums, mut counts] = [[0.0; 2]; 2];
+            for seed in 0..100 {
+                let mut rng = Seed(seed).stream(Stream::Mud, 16);
+                let mut pane = Raster::over(&area, 0.25, 0.0);
+                let ahead = ([0.0; 2], [0.6, 0.8]);
+                let splat = Splat::new(ahead, (4.0, 0.25), &[], (&waves, &mut rng));
+                _ = splat.add(&mut pane, thickness_mm);
+                for (k, value) in pane.values.iter().enumerate() {
+                    let [x, y] = pane.middle_mm(k % pane.size[0], k / pane.size[0]);
+                    let ([[away_square, ..], [turn, ..]], along) = (
+                        splat.around([[x; TOGETHER], [y; TOGETHER]]),
+                        0.6 * x + 0.8 * y,
+                    );
+                    let [outline, _] = splat.outline_at(turn);
+                    let part_square = away_square / (outline * outline);
+                    if (0.6..0.9).contains(&part_square) && along.abs() > 1.5 {
+                        let side = usize::from(along < 0.0);
+                        sums[side] += f64::from(*value) / thickness_mm;
+                        counts[side] += 1.0;
+                    }
+                }
+            }
+            [0, 1].map(|k| sums[k] / counts[k])
+        };
+        let [ahead, behind] = near_edge(0.1);
+        assert!(ahead > behind + 0.2, "{ahead} ahead, {behind} behind");
+        let [ahead, behind] = near_edge(0.26);
+        assert!(
+            (ahead - behind).abs() < 0.02 && behind > 0.85,
+            "too thick to stay: {ahead}, {behind}"
+        );
     }
 }
