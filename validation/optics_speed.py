@@ -110,7 +110,7 @@ def main():
 
 
 def judge(ours):
-    """The budgets of the design; a star that misses one says so."""
+    """Beside the budgets of the design."""
     median = {key: statistics.median(times) for key, times in ours.items()}
     kitti, hd = SIZES
     still, frame = "starbreak, r = {} px: a still", "starbreak, r = {} px: a next frame"
@@ -122,7 +122,7 @@ def judge(ours):
         ("r = 35 over r = 7.2, a still at 1242 x 375 <= 4", median[still.format("35"), kitti] / median[still.format("7.2"), kitti], 4.0),
         ("r = 35 over r = 7.2, a still at 1920 x 1080 <= 4", median[still.format("35"), hd] / median[still.format("7.2"), hd], 4.0),
     ]
-    print("budgets, on this machine as it was")
+    print("budgets of the design, which are for a star, not for the spider's web of the default preset:")
     for what, value, limit in checks:
         print(f"  {what:50} {value:8.2f} {'ok' if value <= limit else 'MISSED'}")
 
