@@ -57,6 +57,11 @@ pub(super) fn wave_sizes() -> [f64; N_LOBES] {
     sizes
 }
 
+/// How gently a splat ends, of 0 to 1, see [`dried`]: from and to on the mean of all directions, and by how much more behind
+/// and less ahead, where it comes to rest. What is beyond 0 or 1 counts as that. FIT.
+const GENTLE: [f64; 2] = [-0.2, 0.9];
+const GENTLER_BEHIND: f64 = 0.5;
+
 /// A finger of a splat's rim.
 pub(super) struct Finger {
     /// Ahead, where the splat flew, and aside of that.
@@ -120,11 +125,6 @@ impl Finger {
         self.to * (1.0 - 0.35 * off * off)
     }
 }
-
-/// How gently splats end: from and to, then more behind and as much less ahead, where they come to rest, and within 0 to 1,
-/// see [`dried`]. FIT.
-const GENTLE: [f64; 2] = [-0.2, 0.9];
-const GENTLER_BEHIND: f64 = 0.5;
 
 /// One splat: a disc with a ragged outline, longer than wide.
 pub(super) struct Splat {
